@@ -620,7 +620,8 @@ struct Worlds {
   std::vector<Transform> cameraToWorld;  // count x cameras, in place of Camera::cameraToWorld
   std::vector<Transform> previousCameraToWorld, nextCameraToWorld;  // empty: as cameraToWorld
   // count x cameras: focal lengths and principal point (fx, fy, cx, cy) in pixels of the rendered images. They replace
-  // the cameras' fields of view.
+  // the cameras' fields of view and principal points, and those of their lenses, which keep model and distortion.
+  // Orthographic cameras and lenses without focal lengths are rejected.
   std::vector<std::array<double, 4>> intrinsics;
 
   WorldArrays arrays;  // those that are given replace the lists of the same names
@@ -944,8 +945,8 @@ class LATELIGHT_API Renderer {
   // Messages of Vulkan's validation layers since the last call. The environment variable LATELIGHT_VALIDATION=1 enables
   // the layers.
   std::vector<std::string> validationMessages();
-  // Sets a callback that is called every 50 ms while a function waits for the device. An exception from it ends that
-  // function; submitted work still finishes.
+  // Sets a callback that is called every 50 ms while functions wait for the device, also if each of their waits is
+  // shorter. An exception from it ends that function; submitted work still finishes.
   void whileWaiting(std::function<void()> check);
   // Waits until the device has finished all submitted work and no pipeline is being compiled. Tickets must still be
   // taken.

@@ -73,6 +73,21 @@ nb::object toNumPy(nb::handle self) {
   return viewOf<nb::numpy>(self);
 }
 
+// NumPy's protocol. Without it, numpy.asarray() would return an array of shape () that holds the object.
+nb::object toNumPyArray(nb::handle self, nb::handle dtype, nb::handle copy) {
+  if (nb::cast<const PlacedArray&>(self).deviceType != kOnHost)
+    badType(
+        "the array is in a device's memory, which NumPy cannot read: give it to a library that computes there, as "
+        "torch.from_dlpack(array) does, or render without on_device");
+  const nb::object array = viewOf<nb::numpy>(self);
+  const bool converts =
+      !dtype.is_none() && !array.attr("dtype").equal(nb::module_::import_("numpy").attr("dtype")(dtype));
+  if (converts && copy.ptr() == Py_False)
+    badValue("copy=False is impossible, because the elements must be converted to another type");
+  if (converts) return array.attr("astype")(dtype);
+  return copy.ptr() == Py_True ? nb::object(array.attr("copy")()) : array;
+}
+
 nb::tuple shapeTuple(const PlacedArray& a) {
   nb::list shape;
   for (const size_t length : a.shape) shape.append(length);
@@ -134,7 +149,7 @@ void bindDeviceArray(nb::module_& module) {
                                "camera without V. Rows from the\n"
                                "top.\n\n"
                                "torch.from_dlpack(array), cupy.from_dlpack(array), jax.dlpack.from_dlpack(array) and "
-                               "numpy.from_dlpack(array), on a\n"
+                               "numpy.asarray(array), on a\n"
                                "CPU device, share its memory without a copy and keep it as long as they use it. It is "
                                "finished when it is handed\n"
                                "out, so that no stream has to wait. Once nobody has it the renderer uses its memory "
@@ -148,6 +163,10 @@ void bindDeviceArray(nb::module_& module) {
           "device",
           [](const PlacedArray& a) { return a.deviceType == kOnHost ? "cpu" : fmt::format("cuda:{}", a.device); },
           "\"cpu\" or \"cuda:0\", as torch names it.")
+      // Before numpy(), which hides the module of that name in the rest of the stub's class.
+      .def("__array__", &toNumPyArray, nb::arg("dtype") = nb::none(), nb::arg("copy") = nb::none(),
+           nb::sig("def __array__(self, dtype: typing.Any = None, copy: bool | None = None) -> "
+                   "numpy.typing.NDArray[typing.Any]"))
       .def("numpy", &toNumPy, nb::sig("def numpy(self) -> numpy.typing.NDArray[typing.Any]"),
            "The array as NumPy's, without a copy: of CPU devices.")
       .def(

@@ -258,7 +258,7 @@ std::string optionDocs() {
       "continues: this frame follows the one rendered last, for temporal anti-aliasing and the temporal filter of "
       "indirect light\n"
       "formats: element types by output: {\"rgba\": \"rgb8\"} leaves alpha out, \"float16\" and \"uint16\" halve other "
-      "outputs (half floats rounded to\nnearest even; ids above 65535 become 65535)\n"
+      "outputs (half floats rounded to\nnearest even, finite ones at most 65504; ids above 65535 become 65535)\n"
       "channels_first: arrays are (..., C, H, W)";
   for (const Keyword& keyword : keywords()) text += "\n" + lineOf(keyword);
   return text;

@@ -85,7 +85,7 @@ MeshData meshDataOf(nb::handle positions, nb::handle indices, nb::handle normals
 
 // Converts pixels of one to four channels (gray, gray and alpha, RGB, RGBA) to RGBA.
 TextureData textureDataOf(nb::handle pixels, bool srgb, nb::handle name) {
-  const nb::object given = arrayOf(pixels, "pixels", Elements::Uint8, {-1, -1, -1});
+  const nb::object given = arrayOf(pixels, "pixels", Elements::Uint8, {kHeightLength, kWidthLength, kChannelLength});
   TextureData data{textOf(name, "name"),
                    static_cast<uint32_t>(lengthOf(given, 1)),
                    static_cast<uint32_t>(lengthOf(given, 0)),
@@ -624,7 +624,7 @@ void defineMeshes(Class& type) {
 }  // namespace
 
 EnvironmentData environmentOf(nb::handle value) {
-  const FloatArray array = floatsOf(value, "environment", {-1, -1, 3}, Integers::Rejected);
+  const FloatArray array = floatsOf(value, "environment", {kHeightLength, kWidthLength, 3}, Integers::Rejected);
   EnvironmentData data{static_cast<uint32_t>(array.shape[1]), static_cast<uint32_t>(array.shape[0]), {}};
   data.radiance.resize(size_t{data.width} * data.height);
   if (data.radiance.empty()) badValue("environment must not be empty");

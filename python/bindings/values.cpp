@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "interpreter.h"
 
@@ -17,12 +18,6 @@ nb::object numpy(const char* name) {
 // Returns true for an instance of NumPy's class or of a derived class, without running code of the value.
 bool isNumPy(nb::handle value, const nb::object& type) {
   return PyType_IsSubtype(Py_TYPE(value.ptr()), reinterpret_cast<PyTypeObject*>(type.ptr())) != 0;
-}
-
-std::string shapeText(const std::vector<int64_t>& shape) {
-  std::string text;
-  for (const int64_t length : shape) text += (text.empty() ? "" : ", ") + (length < 0 ? "N" : std::to_string(length));
-  return "(" + text + (shape.size() == 1 ? ",)" : ")");
 }
 
 std::vector<int64_t> shapeOf(const nb::object& array) {
@@ -139,6 +134,21 @@ void requireFinite(const std::vector<T>& values, std::string_view name) {
 }
 
 }  // namespace
+
+std::string shapeText(const std::vector<int64_t>& shape) {
+  std::string text;
+  const char* any = "N";
+  for (const int64_t length : shape) {
+    text += text.empty() ? "" : ", ";
+    if (length == kAnyLength)
+      text += std::exchange(any, "M");
+    else if (length < 0)
+      text += length == kHeightLength ? "H" : length == kWidthLength ? "W" : length == kRowLength ? "3 or 4" : "C";
+    else
+      text += std::to_string(length);
+  }
+  return "(" + text + (shape.size() == 1 ? ",)" : ")");
+}
 
 // With the module for types of C that are not built in ("numpy.ndarray"), and without it for classes.
 std::string typeName(nb::handle value) {

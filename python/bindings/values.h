@@ -71,8 +71,21 @@ enum class Elements {
   Uint8,
 };
 
-// Converts anything that NumPy accepts to a contiguous array in this machine's byte order. `shape` holds lengths, with
-// -1 for any. `dtype` is the type to convert to; null keeps the array's own. Masked values are rejected, because NumPy
+// Lengths of axes that a shape leaves open, by their names in messages. -1 is any length, too: messages name the first
+// such axis N, and the second one M.
+enum OpenLength : int64_t {
+  kAnyLength = -1,
+  kHeightLength = -2,
+  kWidthLength = -3,
+  kChannelLength = -4,
+  kRowLength = -5
+};
+
+// Returns a shape for messages, as "(H, W, 3)".
+std::string shapeText(const std::vector<int64_t>& shape);
+
+// Converts anything that NumPy accepts to a contiguous array in this machine's byte order. `shape` holds lengths, also
+// open ones. `dtype` is the type to convert to; null keeps the array's own. Masked values are rejected, because NumPy
 // would drop the mask.
 nb::object arrayOf(nb::handle value, std::string_view name, Elements elements, const std::vector<int64_t>& shape,
                    const char* dtype = nullptr);

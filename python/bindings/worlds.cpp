@@ -1,7 +1,5 @@
 #include "worlds.h"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <iterator>
 
@@ -21,7 +19,7 @@ class ArrayReader {
   void transforms(nb::handle value, const char* name, int64_t each, WorldArray& array) {
     if (value.is_none()) return;
     const int64_t n = to_.worlds.count;
-    const std::vector<int64_t> shape = read(value, name, {n, each, -1, 4}, array);
+    const std::vector<int64_t> shape = read(value, name, {n, each, kRowLength, 4}, array);
     if (shape[2] != 3 && shape[2] != 4) badValue("{} must have matrices of 3 or 4 rows, not of {}", name, shape[2]);
     array.rows = static_cast<uint32_t>(shape[2]);
   }
@@ -76,9 +74,7 @@ class ArrayReader {
     Tensor given = tensorOf(value, name, stream_);
     const bool fits =
         std::ranges::equal(given.shape, shape, [](int64_t has, int64_t wanted) { return wanted < 0 || has == wanted; });
-    if (!fits)
-      badValue("{} must be an array of shape ({}), not ({})", name, fmt::join(shape, ", "),
-               fmt::join(given.shape, ", "));
+    if (!fits) badValue("{} must be an array of shape {}, not {}", name, shapeText(shape), shapeText(given.shape));
     constexpr const char* kElements[] = {"float32 or float64", "bool", "int32 or int64"};
     if (kindOf(given.element) != kind) badType("{} must be an array of {}", name, kElements[static_cast<size_t>(kind)]);
     array.element = given.element;
@@ -161,7 +157,9 @@ constexpr WorldArgument kArguments[] = {
     {"camera_to_world", kTensor, "(N, C, 4, 4) or (N, C, 3, 4): in place of the cameras' own poses"},
     {"previous_camera_to_world", kTensor, "the same in the previous frame"},
     {"next_camera_to_world", kTensor, "the same in the next frame"},
-    {"k", kTensor, "(N, C, 3, 3): camera matrices for images of this size, in place of the fields of view"},
+    {"k", kTensor,
+     "(N, C, 3, 3): camera matrices for images of this size, in place of the fields of view and of the focal lengths "
+     "and principal points of lenses, which keep their model and distortion"},
     {"camera_instances", "collections.abc.Sequence[InstanceHandle | None] | None = None",
      "the instance that each camera rides on; its pose is relative to that instance"},
 };

@@ -48,6 +48,8 @@ class MujocoScene:
         For example: renderer.render_worlds(N, robot.cameras, (64, 64), **robot.worlds(all_data))"""
         if data is not None:
             each = list(data) if isinstance(data, Sequence) else [data]
+            if not each:
+                raise UsageError("data must be an MjData, or a list with one per world, and the list is empty")
             geom_xpos, geom_xmat = (np.stack([getattr(d, name) for d in each]) for name in ("geom_xpos", "geom_xmat"))
             if len(self.cameras) > 0:
                 cam_xpos, cam_xmat = (np.stack([getattr(d, name) for d in each]) for name in ("cam_xpos", "cam_xmat"))

@@ -588,7 +588,7 @@ std::vector<Frame> Renderer::render(const Worlds& worlds, const Options& options
 std::vector<const scene::Environment*> Renderer::Impl::environmentsOf(const std::vector<std::string>& names) {
   std::vector<const scene::Environment*> found;
   for (const std::string& name : names) {
-    if (name.empty() || name == "none") badUsage("Worlds::environments must be .hdr or .exr files, or studio");
+    if (name.empty() || name == "none") badUsage("the environments of worlds must be .hdr or .exr files, or studio");
     auto known = environments.find(name);
     if (known == environments.end()) known = environments.emplace(name, *render::loadEnvironment(scene, name)).first;
     found.push_back(&known->second);

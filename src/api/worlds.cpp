@@ -18,6 +18,7 @@
 #include "render/submit/session.h"
 #include "scene/edit_check.h"
 #include "scene/file_frame.h"
+#include "scene/lens.h"
 #include "vk/read_back.h"
 
 namespace latelight {
@@ -26,6 +27,9 @@ namespace {
 
 constexpr char kWrongJoint[] =
     "the transform of a joint must have the last row 0 0 0 1, and one of world {} has another";
+constexpr char kWrongFactors[] =
+    "factors of materials must be at least 0, and metallic and roughness at most 1, and one of world {} is not";
+constexpr char kWrongEnvironment[] = "the intensity of the environment must be at least 0, and that of world {} is not";
 
 bool isFinite(const Transform& transform) {
   return std::ranges::all_of(transform, [](double value) { return std::isfinite(static_cast<float>(value)); });
@@ -41,6 +45,14 @@ bool isFinite(const MaterialFactors& factors) {
   const auto finite = [](double value) { return std::isfinite(value); };
   return std::ranges::all_of(factors.baseColor, finite) && std::ranges::all_of(factors.emissive, finite) &&
          finite(factors.metallic) && finite(factors.roughness);
+}
+
+// The ranges that glTF 2.0 gives factors, except that colors may exceed 1.
+bool areInRange(const MaterialFactors& factors) {
+  const auto isColor = [](float value) { return value >= 0; };
+  const auto isShare = [](float value) { return value >= 0 && value <= 1; };
+  return std::ranges::all_of(factors.baseColor, isColor) && std::ranges::all_of(factors.emissive, isColor) &&
+         isShare(factors.metallic) && isShare(factors.roughness);
 }
 
 // `elements`: each world has a value per element, or a single one if it is empty.
@@ -113,11 +125,17 @@ std::vector<Transform> matricesOf(vk::Device& device, const WorldArray& array, s
   return matrices;
 }
 
+// A camera matrix with a value that is not finite becomes NaNs, which findInvalid() finds.
 std::vector<std::array<double, 4>> intrinsicsOf(vk::Device& device, const WorldArray& array, size_t count) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   std::vector<std::array<double, 4>> intrinsics;
   const std::vector<double> all = numbersOf(device, array, count * 9);
   for (size_t i = 0; i < count; ++i) {
     const double* k = all.data() + 9 * i;
+    if (!std::all_of(k, k + 9, [](double value) { return std::isfinite(static_cast<float>(value)); })) {
+      intrinsics.push_back({kNan, kNan, kNan, kNan});
+      continue;
+    }
     if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
       badUsage("a camera matrix must have no skew and the last row 0 0 1");
     intrinsics.push_back({k[0], k[4], k[2], k[5]});
@@ -197,6 +215,7 @@ struct Scene::Impl::WorldConverter {
   bool placesLights() const;
   Worlds withLightValues(vk::Device& device) const;
   Worlds withMaterials(vk::Device& device) const;
+  Lens lensWith(const Camera& camera, const std::array<double, 4>& intrinsics) const;
   bool hasIntrinsics() const { return from.arrays.intrinsics || !from.intrinsics.empty(); }
   void listInstances();
   void checkDeformations(const vk::Device& device) const;
@@ -244,10 +263,10 @@ void Scene::Impl::WorldConverter::check(const vk::Device& device) const {
   const bool moved =
       !from.previousTransforms.empty() || !from.nextTransforms.empty() || a.previousTransforms || a.nextTransforms;
   if (moved && from.transforms.empty() && !a.transforms)
-    badUsage("Worlds::previousTransforms and nextTransforms require transforms");
+    badUsage("previous and next transforms of worlds require transforms");
   checkArrays(device);
   if (!from.cameraInstances.empty() && from.cameraInstances.size() != cameras)
-    badUsage("Worlds::cameraInstances must have one value per camera, {}, and has {}", cameras,
+    badUsage("the instances that cameras ride on must be listed with one value per camera, {}, not {}", cameras,
              from.cameraInstances.size());
 }
 
@@ -317,11 +336,12 @@ void Scene::Impl::WorldConverter::listDeformations(render::Renderer& renderer, v
   for (const std::string& path : from.joints) {
     given.joints.push_back(scene.jointOf(path));
     if (std::ranges::count(given.joints, given.joints.back()) > 1)
-      badUsage("Worlds::joints lists the node {} twice", path);
+      badUsage("the joints of worlds must be listed once each, and the node {} is listed twice", path);
   }
   for (const Handle<Mesh>& mesh : from.meshes) {
     given.meshes.push_back(scene.index(mesh));
-    if (std::ranges::count(given.meshes, given.meshes.back()) > 1) badUsage("Worlds::meshes lists a mesh twice");
+    if (std::ranges::count(given.meshes, given.meshes.back()) > 1)
+      badUsage("the meshes of worlds must be listed once each, and one is listed twice");
   }
   const size_t joints = from.count * from.joints.size(), vertices = from.count * vertexCount();
   checkIndexable("joints", 16 * joints);
@@ -417,7 +437,8 @@ void Scene::Impl::WorldConverter::listInstances() {
       if (!scene.scene.instances[i].removed) to.instances.push_back(i);
   placeOf.assign(scene.scene.instances.size(), ~0u);
   for (uint32_t i = 0; i < to.instances.size(); ++i) {
-    if (placeOf[to.instances[i]] != ~0u) badUsage("Worlds::instances lists an instance twice");
+    if (placeOf[to.instances[i]] != ~0u)
+      badUsage("the instances of worlds must be listed once each, and one is listed twice");
     placeOf[to.instances[i]] = i;
   }
 }
@@ -442,7 +463,7 @@ void Scene::Impl::WorldConverter::findInvalid(bool onDevice) {
   for (size_t world = 0; world < from.environmentIntensity.size(); ++world)
     if (!std::isfinite(from.environmentIntensity[world])) invalid[world] = 1;
   for (size_t i = 0; !onDevice && i < from.intrinsics.size(); ++i)
-    if (!std::ranges::all_of(from.intrinsics[i], [](double value) { return std::isfinite(value); }))
+    if (!std::ranges::all_of(from.intrinsics[i], [](double value) { return std::isfinite(static_cast<float>(value)); }))
       invalid[i / from.cameras.size()] = 1;
 }
 
@@ -465,21 +486,13 @@ std::vector<MaterialFactors> Scene::Impl::WorldConverter::ownFactors() const {
 void Scene::Impl::WorldConverter::convertMaterials() const {
   for (const Handle<Material>& material : from.materials) to.materials.push_back(scene.index(material));
   for (size_t i = 0; i < from.factors.size(); ++i) {
-    const MaterialFactors values = invalid[i / to.instances.size()] ? MaterialFactors{} : from.factors[i];
+    const size_t world = i / to.instances.size();
+    const MaterialFactors values = invalid[world] ? MaterialFactors{} : from.factors[i];
+    if (!areInRange(values)) badUsage(kWrongFactors, world);
     const auto [r, g, b, alpha] = values.baseColor;
     const auto [x, y, z] = values.emissive;
-    scene::Material checked =
-        scene.scene
-            .materials[to.materials.empty() ? scene.scene.instances[to.instances[i % to.instances.size()]].material
-                                            : to.materials[i]];
-    checked.name = "Worlds::factors";
-    checked.data.baseColor = {r, g, b, alpha};
-    checked.data.emissive = {x, y, z};
-    checked.data.metallic = values.metallic;
-    checked.data.roughness = values.roughness;
-    scene::checkMaterial(scene.scene, checked);
-    to.factors.push_back({.baseColor = checked.data.baseColor,
-                          .emissive = checked.data.emissive,
+    to.factors.push_back({.baseColor = {r, g, b, alpha},
+                          .emissive = {x, y, z},
                           .metallic = values.metallic,
                           .roughness = values.roughness});
   }
@@ -501,7 +514,7 @@ void Scene::Impl::WorldConverter::convertLights() const {
     to.environmentRotation.push_back(render::radians(invalid[world] ? 0 : from.environmentRotation[world]));
   for (size_t world = 0; world < from.environmentIntensity.size(); ++world) {
     const float intensity = invalid[world] ? 0 : from.environmentIntensity[world];
-    if (intensity < 0) badUsage("Worlds::environmentIntensity must be at least 0, not {}", intensity);
+    if (intensity < 0) badUsage(kWrongEnvironment, world);
     to.environmentIntensity.push_back(intensity);
   }
 }
@@ -534,6 +547,25 @@ glm::dmat4 Scene::Impl::WorldConverter::frameOf(uint32_t instance, uint32_t worl
   return frame;
 }
 
+// Returns the camera's lens with another camera matrix: fx, fy, cx and cy, in pixels of the call's images. A camera
+// without a lens gets a pinhole.
+Lens Scene::Impl::WorldConverter::lensWith(const Camera& camera, const std::array<double, 4>& intrinsics) const {
+  Lens lens = camera.lens.value_or(Lens{});
+  const scene::LensModelInfo& model = scene::infoOf(static_cast<scene::LensModel>(lens.model));
+  if (!model.calibrated)
+    badUsage("a camera with the lens model {} has no focal lengths, which camera matrices of worlds would replace",
+             model.name);
+  if (camera.orthographic)
+    badUsage("an orthographic camera has no focal lengths, which camera matrices of worlds would replace");
+  lens.width = settings.width;
+  lens.height = settings.height;
+  lens.fx = intrinsics[0];
+  lens.fy = intrinsics[1];
+  lens.cx = intrinsics[2];
+  lens.cy = intrinsics[3];
+  return lens;
+}
+
 // `poses` replaces the cameras' own poses unless it is empty. `transforms` and `pose` are those of the same time.
 std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasAt(const std::vector<Transform>& poses,
                                                                   const std::vector<glm::dmat4>& transforms,
@@ -546,11 +578,7 @@ std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasAt(const std::vec
     const auto world = static_cast<uint32_t>(i / each);
     Camera camera = from.cameras[i % each];
     if (!poses.empty() && !invalid[world]) camera.cameraToWorld = poses[i];
-    if (!from.intrinsics.empty() && !invalid[world]) {
-      const auto [fx, fy, cx, cy] = from.intrinsics[i];
-      camera.lens = Lens{
-          .width = double(settings.width), .height = double(settings.height), .fx = fx, .fy = fy, .cx = cx, .cy = cy};
-    }
+    if (!from.intrinsics.empty() && !invalid[world]) camera.lens = lensWith(camera, from.intrinsics[i]);
     scene::Camera internal = render::fitted(internalCamera(camera, scene.scene), settings.cameraFit);
     const bool rides = !from.cameraInstances.empty() && from.cameraInstances[i % each];
     if (rides) {
@@ -568,8 +596,8 @@ std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasAt(const std::vec
 std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasOfWorld() const {
   std::vector<scene::Camera> cameras;
   for (Camera camera : from.cameras) {
-    const double width = settings.width, height = settings.height;
-    if (hasIntrinsics()) camera.lens = Lens{.width = width, .height = height, .fx = width, .fy = width};
+    const double width = settings.width;
+    if (hasIntrinsics()) camera.lens = lensWith(camera, {width, width, 0, 0});
     cameras.push_back(render::fitted(internalCamera(camera, scene.scene), settings.cameraFit));
   }
   return cameras;
@@ -726,10 +754,7 @@ std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
           world);
     if (bits & shared::kWorldWrongRide)
       badUsage("a camera of world {} rides on an instance whose transform mirrors or has an axis of length 0", world);
-    if (bits & shared::kWorldWrongFactors)
-      badUsage(
-          "factors of materials must be at least 0, and metallic and roughness at most 1, and one of world {} is not",
-          world);
+    if (bits & shared::kWorldWrongFactors) badUsage(kWrongFactors, world);
     if (bits & shared::kWorldWrongEnvironmentIndex)
       badUsage("the environments of worlds must be indices in the list of environments, and that of world {} is not",
                world);
@@ -739,8 +764,7 @@ std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
       badUsage("colors and intensities of lights must be at least 0, and one of world {} is not", world);
     if (bits & shared::kWorldWrongDirection)
       badUsage("the direction of a light must have a length above 0, and one in world {} does not", world);
-    if (bits & shared::kWorldWrongEnvironment)
-      badUsage("the intensity of the environment must be at least 0, and that of world {} is not", world);
+    if (bits & shared::kWorldWrongEnvironment) badUsage(kWrongEnvironment, world);
     if (bits & shared::kWorldNotFinite) invalid.push_back(world);
   }
   return invalid;

@@ -143,7 +143,10 @@ class IsolatedRenderer {
       if (first < end) now.emplace(submit(std::span(images).subspan(first, end - first)));
       if (before) {
         const std::vector<output::FrameOutput> pictures = before->take().frames;
-        for (size_t i = 0; i < pictures.size(); ++i) taken(images[first - most + i], pictures[i].aovs);
+        for (size_t i = 0; i < pictures.size(); ++i) {
+          taken(images[first - most + i], pictures[i].aovs);
+          renderer_.checkWhileWaiting();
+        }
       }
       before = std::move(now);
     }
@@ -232,12 +235,17 @@ class DepthOrder {
       if (ids.ids[i] != 0) covered_.push_back({i, distances.values[i], objects.at(ids.ids[i])});
   }
 
-  void finish() {
+  // Calls check() now and then: the time is quadratic in the number of objects that cover a pixel.
+  void finish(const std::function<void()>& check) {
+    constexpr uint64_t kPairsPerCheck = 1 << 14;
+    uint64_t pairs = 0;
     std::ranges::sort(covered_, {}, [](const Covered& c) { return std::tuple(c.pixel, c.distance, c.object->id); });
     std::map<std::pair<Object*, uint32_t>, uint64_t> pixels;
     for (size_t i = 0; i < covered_.size(); ++i)
-      for (size_t j = i + 1; j < covered_.size() && covered_[j].pixel == covered_[i].pixel; ++j)
+      for (size_t j = i + 1; j < covered_.size() && covered_[j].pixel == covered_[i].pixel; ++j) {
         if (covered_[i].distance < covered_[j].distance) ++pixels[{covered_[i].object, covered_[j].object->id}];
+        if (++pairs % kPairsPerCheck == 0) check();
+      }
     for (const auto& [pair, count] : pixels) pair.first->occludes.push_back({pair.second, count});
   }
 
@@ -343,7 +351,7 @@ void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const
     takeMasks(image, pictures.front());
     if (order) depths[image.view].add(image, pictures.front(), pictures.back());
   });
-  for (DepthOrder& each : depths) each.finish();
+  for (DepthOrder& each : depths) each.finish([&] { renderer.checkWhileWaiting(); });
   std::vector<scene::Camera> wide;
   for (const scene::Camera& camera : cameras) wide.push_back(canWiden(camera, settings) ? widened(camera) : camera);
   IsolatedRenderer beyond(renderer, scene, wide, widened(settings), widened(moment, cameras, settings), false);

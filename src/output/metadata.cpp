@@ -21,14 +21,6 @@ std::string textOf(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-Json intrinsicsOf(const CameraMetadata& camera) {
-  Json rows = Json::array();
-  for (size_t row = 0; row < 3; ++row) {
-    rows.push_back({camera.intrinsics[3 * row], camera.intrinsics[3 * row + 1], camera.intrinsics[3 * row + 2]});
-  }
-  return rows;
-}
-
 std::string_view axesOf(std::string_view frame) {
   if (frame == "gltf") return "X right, Y up, Z toward the viewer; right-handed, meters";
   if (frame == "z-up") return "X right, Y away from the viewer, Z up; right-handed, meters";
@@ -48,7 +40,7 @@ Json cameraOf(const CameraMetadata& camera) {
             {"model", modelOf(camera)},
             {"convention", camera.convention},
             {"axes", axesOf(camera.convention)},
-            {"K", hasK ? intrinsicsOf(camera) : nullptr},
+            {"K", hasK ? rowsOf(camera.intrinsics) : nullptr},
             {"cameraToWorld", rowsOf(camera.cameraToWorld)},
             {"near", number(camera.nearClip)},
             {"far", number(camera.farClip)}};
@@ -132,6 +124,12 @@ Json distortionOf(const scene::Lens& lens) {
 Json rowsOf(const glm::dmat4& m) {
   Json rows = Json::array();
   for (int row = 0; row < 4; ++row) rows.push_back({m[0][row], m[1][row], m[2][row], m[3][row]});
+  return rows;
+}
+
+Json rowsOf(const std::array<double, 9>& m) {
+  Json rows = Json::array();
+  for (size_t row = 0; row < 3; ++row) rows.push_back({m[3 * row], m[3 * row + 1], m[3 * row + 2]});
   return rows;
 }
 

@@ -73,6 +73,7 @@ struct Metadata {
 nlohmann::ordered_json distortionOf(const scene::Lens& lens);
 // Returns the rows of a matrix in the form that JSON files use.
 nlohmann::ordered_json rowsOf(const glm::dmat4& m);
+nlohmann::ordered_json rowsOf(const std::array<double, 9>& m);  // of a row-major matrix of 3x3 numbers
 
 // Returns the EV100 of the camera that has this exposure factor: its sensor saturates at a luminance of 1.2 * 2^EV100
 // (Lagarde and de Rousiers 2014, Moving Frostbite to Physically Based Rendering, section 5.1.2).

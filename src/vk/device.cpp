@@ -1,6 +1,7 @@
 #include "vk/device.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
@@ -84,16 +85,28 @@ uint64_t Device::Impl::finishedValue() const {
   return vkGetSemaphoreCounterValue(device, timeline, &value) == VK_SUCCESS ? value : 0;
 }
 
+// The interval of the checks spans all waits of the thread, because a call may consist of many waits that are all
+// shorter.
 void Device::Impl::waitFor(uint64_t value) const {
+  using std::chrono::steady_clock, std::chrono::nanoseconds;
   VkSemaphoreWaitInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO};
   info.semaphoreCount = 1;
   info.pSemaphores = &timeline;
   info.pValues = &value;
-  constexpr uint64_t kInterval = 50'000'000;  // nanoseconds
+  constexpr nanoseconds kInterval = std::chrono::milliseconds(50);
+  thread_local steady_clock::time_point due;
   VkResult result = VK_TIMEOUT;
   while (result == VK_TIMEOUT) {
-    result = vkWaitSemaphores(device, &info, whileWaiting ? kInterval : UINT64_MAX);
-    if (result == VK_TIMEOUT && whileWaiting) whileWaiting();
+    uint64_t timeout = UINT64_MAX;
+    if (whileWaiting) {
+      const steady_clock::time_point now = steady_clock::now();
+      if (now >= due) {
+        due = now + kInterval;
+        whileWaiting();
+      }
+      timeout = static_cast<uint64_t>(nanoseconds(due - now).count());
+    }
+    result = vkWaitSemaphores(device, &info, timeout);
   }
   check(result, "vkWaitSemaphores", __FILE__, __LINE__);
 }

@@ -95,8 +95,9 @@ class Device {
   uint64_t submissions() const;  // timeline value of the last submission
   bool finished(uint64_t submission) const;
   void wait(uint64_t submission);  // until the submission has finished
-  // Sets a function that is called every 50 ms while any thread waits for a submission. Its exceptions propagate from
-  // the wait. Empty: waits without calls.
+  // Sets a function that waits for submissions call every 50 ms. The interval spans the waits of a thread, so a wait
+  // that is shorter calls it, too, if the thread's last call was 50 ms ago. Its exceptions propagate from the wait.
+  // Empty: waits without calls.
   void whileWaiting(std::function<void()> check);
   // Waits until all submissions have finished and all requested pipelines are created.
   void finish();

@@ -272,7 +272,7 @@ class Boxes(unittest.TestCase):
 
     def test_boxes_in_space(self):
         for frame, boxes in self.frames.items():
-            k = np.reshape(boxes["camera"]["K"], (3, 3))
+            k = np.array(boxes["camera"]["K"])
             to_camera = np.array(boxes["camera"]["worldToCamera"])
             _, _, positions, ids = surfaces(frame)
             for thing in boxes["objects"]:

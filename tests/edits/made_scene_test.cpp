@@ -3,6 +3,7 @@
 #include <latelight/latelight.h>
 
 #include <algorithm>
+#include <chrono>
 #include <set>
 #include <stdexcept>
 
@@ -243,6 +244,33 @@ TEST(Waiting, EndsByWhatTheCheckThrows) {
   EXPECT_EQ(checks, 1);
   renderer.whileWaiting({});
   EXPECT_EQ(renderer.render(scene.defaultCamera(1), options).aovs.at("depth").values, before.aovs.at("depth").values);
+}
+
+// A call may consist of waits that are all shorter than the interval of the checks.
+TEST(Waiting, ChecksAcrossShortWaits) {
+  using std::chrono::steady_clock;
+  const Scene scene("builtin:boxes");
+  Renderer renderer(scene, latelight::test::testDevice());
+  const Camera camera = scene.defaultCamera(1);
+  const Frame before = renderer.render(camera, square({"depth"}));
+  int64_t checks = 0;
+  renderer.whileWaiting([&] { ++checks; });
+  const steady_clock::time_point start = steady_clock::now();
+  while (steady_clock::now() - start < std::chrono::milliseconds(500)) renderer.render(camera, square({"depth"}));
+  EXPECT_GE(checks, 3);
+  EXPECT_LE(checks, (steady_clock::now() - start) / std::chrono::milliseconds(50) + 1);
+  renderer.whileWaiting([&] { throw std::runtime_error("stop"); });
+  for (int i = 0; i < 3; ++i)
+    EXPECT_THROW(
+        {
+          while (steady_clock::now() - start < std::chrono::seconds(60)) {
+            const Frame frame = renderer.render(camera, square({"depth"}));
+            EXPECT_EQ(frame.aovs.at("depth").values, before.aovs.at("depth").values);
+          }
+        },
+        std::runtime_error);
+  renderer.whileWaiting({});
+  EXPECT_EQ(renderer.render(camera, square({"depth"})).aovs.at("depth").values, before.aovs.at("depth").values);
 }
 
 }  // namespace

@@ -33,6 +33,21 @@ def test_hold_what_frames_hold(renderer, cameras):
         np.testing.assert_array_equal(arrays[name].numpy(), frames[name])
 
 
+def test_numpy_reads_them_as_arrays(renderer, cameras):
+    """Not as an array of shape () that holds the object."""
+    depth = renderer.render(cameras, (40, 24), "depth", on_device=True)["depth"]
+    array = np.asarray(depth)
+    assert array.shape == (3, 24, 40) and array.dtype == np.float32
+    assert array.ctypes.data == depth.numpy().ctypes.data
+    np.testing.assert_array_equal(np.array(depth), array)
+    assert np.array(depth).ctypes.data != array.ctypes.data
+    np.testing.assert_array_equal(np.asarray(depth, np.float64), array.astype(np.float64))
+    assert np.asarray(depth, np.float64).dtype == np.float64
+    assert np.isfinite(depth).sum() == np.isfinite(array).sum() > 0
+    with pytest.raises(latelight.UsageError, match="copy=False is impossible"):
+        depth.__array__(np.float64, copy=False)
+
+
 def test_of_one_camera_have_no_axis_of_views(renderer, cameras):
     arrays = renderer.render(cameras[0], (40, 24), ("depth", "normal"), on_device=True)
     assert arrays["depth"].shape == (24, 40)

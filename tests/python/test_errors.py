@@ -68,7 +68,7 @@ def test_meshes(scene, words, arguments):
     [
         ("pixels must be an array of uint8, not float64", np.zeros((2, 2, 3))),
         ("pixels must be an array of uint8", np.zeros((2, 2, 3), np.uint16)),
-        ("pixels must be an array of shape", np.zeros((2, 2), np.uint8)),
+        (r"pixels must be an array of shape \(H, W, C\), not \(2, 2\)", np.zeros((2, 2), np.uint8)),
         ("pixels must have 1 to 4 channels, not 5", np.zeros((2, 2, 5), np.uint8)),
         ("pixels must not be empty", np.zeros((0, 2, 3), np.uint8)),
         ("20000x1 pixels; width and height are limited to 16384", np.zeros((1, 20000, 1), np.uint8)),

@@ -84,22 +84,30 @@ def test_png_has_the_picture_in_each_order_of_axes(made, size, formats):
 
 
 def test_half_floats_are_rounded_to_nearest_even():
-    """Depths of a plane that faces the camera: each is one number."""
+    """Depths of a plane that faces the camera: each is one number. Beyond 65504, the largest half, only the background
+    is infinite."""
     scene = latelight.Scene()
     square = scene.add_mesh(np.float32([[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]]), [[0, 1, 2], [0, 2, 3]])
     plane = scene.add_instance(square, scene.add_material(latelight.Material()))
     renderer = latelight.Renderer(scene, device="cpu")
     camera = latelight.Camera.look_at((0, 0, 0), (0, 0, -1), vertical_fov=10)
-    distances = np.concatenate([np.linspace(0.2, 3, 40), [2049, 2051, 65519, 65521, 1e-1]])
+    distances = np.concatenate([np.linspace(0.2, 3, 40), [2049, 2051, 65519, 65521, 2e5, 1e-1]])
     transforms = np.tile(np.eye(4), (len(distances), 1, 1, 1))
     transforms[:, 0, 2, 3] = -distances
     transforms[:, 0, 0, 0] = transforms[:, 0, 1, 1] = 1 + distances
     given = {"instances": [plane], "transforms": transforms}
     exact = renderer.render_worlds(len(distances), camera, (2, 2), "depth", **given)["depth"]
     half = renderer.render_worlds(len(distances), camera, (2, 2), "depth", **given, formats={"depth": "float16"})
-    with np.errstate(over="ignore"):
-        np.testing.assert_array_equal(half["depth"], exact.astype(np.float16))
+    np.testing.assert_array_equal(half["depth"], np.minimum(exact, 65504).astype(np.float16))
     np.testing.assert_allclose(exact[:, 0, 0, 0], distances, rtol=1e-5)
+    away = latelight.Camera.look_at((0, 0, 0), (0, 0, 1))
+    for seen, low, high in ((camera, -65504, 65504), (away, 0, np.inf)):
+        frame = renderer.render_worlds(
+            1, seen, (2, 2), ("depth", "distance", "position"), instances=[plane], transforms=transforms[-2:-1],
+            formats={"depth": "float16", "distance": "float16", "position": "float16"},
+        )
+        assert (frame["depth"] == high).all() and (frame["distance"] == high).all()
+        assert (frame["position"][..., 2] == low).all()
 
 
 def test_out_is_rendered_into_again(made):

@@ -303,6 +303,8 @@ def test_wrong_arguments_are_refused(model, robot, tmp_path):
         latelight.from_mujoco(tmp_path / "broken.xml")
     with pytest.raises(latelight.UsageError, match="require each other"):
         robot.worlds(geom_xpos=np.zeros((1, model.ngeom, 3)))
+    with pytest.raises(latelight.UsageError, match="data must be an MjData, or a list with one per world"):
+        robot.worlds([])
     with pytest.raises(latelight.UsageError, match="must have the shape"):
         robot.worlds(geom_xpos=np.zeros((model.ngeom, 3)), geom_xmat=np.zeros((model.ngeom, 9)))
     with pytest.raises(latelight.UsageError, match="all of the model's elements, and has 2"):

@@ -148,3 +148,28 @@ def test_ctrl_c(device):
     child.send_signal(signal.SIGINT)
     assert child.communicate()[0] == "interrupted\n"
     assert child.returncode == 0
+
+
+def test_ctrl_c_between_short_waits(device, square):
+    """Labels wait for the device often, but never for long, and then count on the host."""
+    scene = latelight.Scene()
+    mesh, paint = scene.add_mesh(square["positions"], square["indices"]), scene.add_material(latelight.Material())
+    for x, y, z in np.random.default_rng(0).normal(scale=0.5, size=(300, 3)):
+        transform = np.eye(4)
+        transform[:3, 3] = x, y, z
+        scene.add_instance(mesh, paint, transform)
+    renderer, camera = latelight.Renderer(scene, device), latelight.Camera.look_at((0, 0, 6), (0, 0, 0))
+    expected = renderer.labels(camera, (64, 48)).amodal_masks
+    start = time.perf_counter()
+    renderer.labels(camera, (64, 48))
+    duration = time.perf_counter() - start
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    try:
+        start = time.perf_counter()
+        signal.setitimer(signal.ITIMER_REAL, duration / 5)
+        with pytest.raises(KeyboardInterrupt):
+            renderer.labels(camera, (64, 48))
+        assert time.perf_counter() - start < 0.7 * duration
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    np.testing.assert_array_equal(renderer.labels(camera, (64, 48)).amodal_masks, expected)

@@ -78,6 +78,56 @@ def test_cameras_have_poses_and_matrices(worlds_renderer, camera):
             np.testing.assert_allclose(frames[world][0][name], expected[name], rtol=1e-5)
 
 
+def matrices(*each):
+    """Camera matrices of worlds with one camera: fx, fy, cx, cy."""
+    return np.array([[[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]] for fx, fy, cx, cy in each], float)
+
+
+@pytest.mark.parametrize(
+    ("model", "distortion"),
+    [("pinhole", ()), ("opencv", (-0.35, 0.1, 0.002, -0.001)), ("fisheye", (-0.05, 0.01)), ("ftheta", (0, 1, 0.02))],
+)
+@pytest.mark.parametrize("raster", ["compute", "hardware"])
+def test_matrices_keep_the_distortion_of_lenses(worlds_renderer, camera, model, distortion, raster):
+    calibrations = ((20, 21, 12, 8), (16, 15, 11, 9))
+    camera.lens = latelight.Lens(model=model, width=48, height=32, fx=50, fy=50, cx=20, cy=10, distortion=distortion)
+    frames = worlds_renderer.render_worlds(2, camera, SIZE, OUTPUTS, k=matrices(*calibrations), raster=raster)
+    for world, (fx, fy, cx, cy) in enumerate(calibrations):
+        camera.lens = latelight.Lens(
+            model=model, width=SIZE[0], height=SIZE[1], fx=fx, fy=fy, cx=cx, cy=cy, distortion=distortion
+        )
+        expected = worlds_renderer.render(camera, SIZE, OUTPUTS, raster=raster)
+        for name in OUTPUTS:
+            np.testing.assert_array_equal(frames[world][0][name], expected[name])
+
+
+def test_matrices_require_focal_lengths(worlds_renderer, camera):
+    k = matrices((20, 20, 12, 8))
+    for model in ("equirectangular", "cubemap"):
+        camera.lens = latelight.Lens(model=model, width=24, height=12)
+        with pytest.raises(latelight.UsageError, match=f"the lens model {model} has no focal lengths"):
+            worlds_renderer.render_worlds(1, camera, SIZE, k=k)
+    flat = latelight.Camera(orthographic=True, near_clip=0.1, far_clip=9)
+    with pytest.raises(latelight.UsageError, match="an orthographic camera has no focal lengths"):
+        worlds_renderer.render_worlds(1, flat, SIZE, k=k)
+
+
+@pytest.mark.parametrize("raster", ["compute", "hardware", "rays"])
+@pytest.mark.parametrize("entry", [(0, 0), (0, 1), (1, 2), (2, 2), (2, 0)])
+def test_a_matrix_that_is_not_finite_spoils_only_its_world(worlds_renderer, camera, raster, entry):
+    """Any of its nine numbers, also those that must be 0 and 1."""
+    k = matrices(*[(20, 20, 12, 8)] * 3)
+    expected = worlds_renderer.render_worlds(3, camera, SIZE, "id", k=k, raster=raster)["id"]
+    for wrong in (np.nan, np.inf, 1e39):
+        k[1, 0][entry] = wrong
+        frames = worlds_renderer.render_worlds(3, camera, SIZE, "id", k=k, raster=raster)
+        assert frames.invalid_worlds == (1,)
+        assert expected[1].any() and not frames["id"][1].any()
+        np.testing.assert_array_equal(frames["id"][::2], expected[::2])
+    labels = worlds_renderer.labels_of_worlds(3, camera, SIZE, k=k)
+    assert labels.present.any(-1)[:, 0].tolist() == [True, False, True]
+
+
 def test_nan_spoils_only_its_world(scene, worlds_renderer, camera):
     transforms = np.tile(at(-1), (3, 1, 1, 1))
     transforms[1, 0, 0, 3] = np.nan
@@ -223,12 +273,33 @@ def test_environments(scene, camera, tmp_path):
         ({"environment_intensity": [1, 2, 3]}, latelight.UsageError, "environment_intensity must"),
         ({"environment_intensity": [1, -2]}, latelight.UsageError, "at least 0"),
         ({"transfroms": 1}, latelight.ArgumentTypeError, "transfroms"),
+        ({"transforms": np.zeros((2, 4, 4))}, latelight.UsageError, r"shape \(2, 1, 3 or 4, 4\), not \(2, 4, 4\)"),
+        ({"camera_instances": [None, None]}, latelight.UsageError, "one value per camera, 1, not 2"),
+        ({"environments": "none", "environment_index": [0, 0]}, latelight.UsageError, "^the environments of worlds"),
     ],
 )
 def test_wrong_arrays_are_refused(scene, worlds_renderer, camera, arguments, error, sentence):
     arguments = {"instances": scene.instances()[:1], **arguments}
     with pytest.raises(error, match=sentence):
         worlds_renderer.render_worlds(2, camera, SIZE, **arguments)
+
+
+@pytest.mark.parametrize("raster", ["compute", "hardware"])
+def test_messages_name_no_members_of_cplusplus(scene, worlds_renderer, camera, raster):
+    first, red = scene.instances()[0], np.eye(4)[None, None]
+
+    def refused(sentence, **arguments):
+        with pytest.raises(latelight.UsageError, match=f"^{sentence}") as caught:
+            worlds_renderer.render_worlds(1, camera, SIZE, **{"instances": [first]} | arguments, raster=raster)
+        assert "::" not in str(caught.value)
+
+    refused("the instances of worlds must be listed once each", instances=[first, first])
+    meshes = scene.meshes()[:1] * 2
+    refused("the meshes of worlds must be listed once each", meshes=meshes, vertices=np.zeros((1, 12, 3)))
+    refused("the intensity of the environment must be at least 0, and that of world 0", environment_intensity=[-1])
+    for name, shape in (("base_color", (4,)), ("metallic", ()), ("roughness", ()), ("emissive", (3,))):
+        refused("factors of materials must be at least 0", **{name: -np.ones((1, 1, *shape))})
+    refused("previous and next transforms of worlds require transforms", previous_transforms=red)
 
 
 def cloth(size=9):

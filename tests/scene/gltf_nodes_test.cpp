@@ -204,6 +204,22 @@ TEST(GltfNodes, PerspectiveCameras) {
   EXPECT_THAT(errorOf(b), HasSubstr("cameras[1].perspective.yfov is missing"));
 }
 
+// Depth is linear between the planes of an orthographic camera, so neither may be at infinity.
+TEST(GltfNodes, ExchangedPlanesOfOrthographicCamerasAreRepaired) {
+  GltfBuilder b;
+  b.node({{"camera", b.add("cameras", {{"type", "orthographic"},
+                                       {"orthographic", {{"xmag", 2}, {"ymag", 2}, {"znear", 5}, {"zfar", 1}}}})}});
+  testing::internal::CaptureStderr();
+  const Camera camera = b.load().cameras.at(0);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("far plane before its near plane: they are exchanged"));
+  EXPECT_EQ(camera.nearClip, 1);
+  EXPECT_EQ(camera.farClip, 5);
+  b.root["cameras"][0]["orthographic"]["zfar"] = 5;
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(b.load().cameras.empty());
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("no depth"));
+}
+
 // glTF requires an angle below pi, and allows viewers to show files with a larger one.
 TEST(GltfNodes, AnglesThatShowNothingAreReplaced) {
   GltfBuilder b;

@@ -272,14 +272,17 @@ TEST(WorldsApi, RejectWrongLists) {
   EXPECT_THAT(refused([](Worlds& w) { w.cameras.clear(); }), HasSubstr("at least one camera"));
   EXPECT_THAT(refused([](Worlds& w) { w.transforms.resize(3); }),
               HasSubstr("Worlds::transforms must have 2 values, one per world and instance, and has 3"));
-  EXPECT_THAT(refused([](Worlds& w) { w.factors.assign(2, {.roughness = 2}); }), HasSubstr("roughness"));
+  EXPECT_THAT(refused([](Worlds& w) { w.factors.assign(2, {.roughness = 2}); }),
+              HasSubstr("roughness at most 1, and one of world 0 is not"));
   EXPECT_THAT(refused([](Worlds& w) { w.lightValues.resize(2); }), HasSubstr("Worlds::lightValues must have 0 values"));
-  EXPECT_THAT(refused([](Worlds& w) { w.environmentIntensity = {1, -1}; }), HasSubstr("at least 0, not -1"));
+  EXPECT_THAT(refused([](Worlds& w) { w.environmentIntensity.assign(2, -1); }),
+              HasSubstr("at least 0, and that of world 0"));
   EXPECT_THAT(refused([](Worlds& w) { w.exists = {1}; }), HasSubstr("Worlds::exists must have 2 values"));
   EXPECT_THAT(refused([](Worlds& w) { w.cameraToWorld.resize(1); }), HasSubstr("one per world and camera"));
   EXPECT_THAT(refused([](Worlds& w) { w.previousTransforms.resize(2); }), HasSubstr("require transforms"));
-  EXPECT_THAT(refused([&](Worlds& w) { w.instances.push_back(made.red); }), HasSubstr("lists an instance twice"));
-  EXPECT_THAT(refused([](Worlds& w) { w.cameraInstances.resize(2); }), HasSubstr("one value per camera, 1, and has 2"));
+  EXPECT_THAT(refused([&](Worlds& w) { w.instances.push_back(made.red); }),
+              HasSubstr("instances of worlds must be listed once each"));
+  EXPECT_THAT(refused([](Worlds& w) { w.cameraInstances.resize(2); }), HasSubstr("one value per camera, 1, not 2"));
   EXPECT_THAT(refused([](Worlds& w) { w.cameraToWorld.assign(2, placed(0, 0, 0, 2)); }),
               HasSubstr("must be a rotation and a translation"));
   made.scene.removeInstance(made.red);

@@ -49,7 +49,7 @@ Json occlusionsOf(const Object& object) {
 }
 
 Json describeCamera(const output::CameraMetadata& camera) {
-  Json json{{"K", camera.intrinsics}, {"worldToCamera", output::rowsOf(openCvFromWorld(camera))}};
+  Json json{{"K", output::rowsOf(camera.intrinsics)}, {"worldToCamera", output::rowsOf(openCvFromWorld(camera))}};
   if (!camera.lens) return json;
   const scene::LensModelInfo& model = scene::infoOf(camera.lens->model);
   if (!model.calibrated) json["K"] = nullptr;

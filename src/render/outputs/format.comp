@@ -10,11 +10,13 @@ layout(local_size_x = kFormatGroup) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer WordsOut { uint v[]; };
 layout(push_constant, scalar) uniform Push { FormatPush push; };
 
-// IEEE 754 binary16, rounded to nearest even. packHalf2x16() may round in any direction.
+// IEEE 754 binary16, rounded to nearest even. Finite values beyond 65504, the largest half, become 65504, so that they
+// stay apart from the infinity of the background. packHalf2x16() may round in any direction.
 uint halfBits(float value) {
   uint bits = floatBitsToUint(value), sign = bits >> 16u & 0x8000u, magnitude = bits & 0x7fffffffu;
   if (magnitude > 0x7f800000u) return sign | 0x7e00u;   // NaN
-  if (magnitude >= 0x477ff000u) return sign | 0x7c00u;  // rounds to infinity
+  if (magnitude == 0x7f800000u) return sign | 0x7c00u;  // infinity
+  if (magnitude >= 0x477fe000u) return sign | 0x7bffu;  // 65504 and above
   if (magnitude < 0x33000001u) return sign;             // rounds to zero
   uint exponent = magnitude >> 23u, fraction = magnitude & 0x7fffffu, shift = 13u, result = 0u;
   if (exponent < 113u) {  // a subnormal half

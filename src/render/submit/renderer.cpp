@@ -822,8 +822,20 @@ SceneBvh& Renderer::followedBvh(bool samplesEnvironment) {
   return *bvh_;
 }
 
+namespace {
+
+// Returns true if the batch may have to be rendered again, which is known once it has finished.
+bool mayOverflow(const ViewBatch& part) {
+  return !part.checks.empty() || (part.job.conversion && !part.vast);
+}
+
+}  // namespace
+
 void Renderer::resolveOverflow(const ViewBatch* last) {
   while (!uncheckedBatches_.empty()) {
+    // The batch waits before the `try`, because an exception of Device::whileWaiting() ends this call. It is no error
+    // of the batch, which may be that of an earlier call.
+    if (mayOverflow(*uncheckedBatches_.front())) uncheckedBatches_.front()->submission.wait();
     const std::shared_ptr<ViewBatch> part = std::move(uncheckedBatches_.front());
     uncheckedBatches_.pop_front();
     try {

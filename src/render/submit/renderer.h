@@ -41,6 +41,9 @@ class Renderer {
   Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment);
   ~Renderer();
 
+  // For long work of the host on results: calls the function of Device::whileWaiting() if it is due, as waits do.
+  void checkWhileWaiting() { device_.wait(0); }
+
   // Starts one picture per camera, several at once, and returns while the device renders them. Meanwhile the scene may
   // be edited, and more pictures may be submitted. Throws Error(Usage) for invalid settings.
   // With Results::Exported, outputs are written to the memory of `targets`, if they have one there.

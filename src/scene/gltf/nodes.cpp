@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_access.hpp>
 #include <string>
+#include <utility>
 
 #include "base/distinct_names.h"
 #include "base/error.h"
@@ -109,7 +110,8 @@ class Paths {
   size_t bytes_ = 0;
 };
 
-// Returns nullopt if the camera has no width or no height.
+// Returns nullopt if the camera has no width, height or depth. The far plane is finite, because depth is linear between
+// the planes.
 std::optional<Camera> readProjection(const file::Orthographic& source) {
   Camera camera;
   camera.orthographic = true;
@@ -117,8 +119,12 @@ std::optional<Camera> readProjection(const file::Orthographic& source) {
   camera.yHalf = std::abs(float(source.ymag));
   camera.nearClip = float(source.znear);
   camera.farClip = float(source.zfar);
-  if (xHalf == 0 || camera.yHalf == 0) return std::nullopt;
+  if (xHalf == 0 || camera.yHalf == 0 || camera.nearClip == camera.farClip) return std::nullopt;
   camera.aspect = xHalf / camera.yHalf;
+  if (camera.farClip < camera.nearClip) {
+    warn("an orthographic camera has its far plane before its near plane: they are exchanged");
+    std::swap(camera.nearClip, camera.farClip);
+  }
   return camera;
 }
 
@@ -138,7 +144,7 @@ Camera readProjection(const file::Perspective& source) {
   return camera;
 }
 
-// Returns nullopt if the camera has no width or no height.
+// Returns nullopt for an orthographic camera without width, height or depth.
 std::optional<Camera> readCamera(const file::Camera& source) {
   const auto read = [](const auto& projection) { return std::optional<Camera>(readProjection(projection)); };
   std::optional<Camera> camera = std::visit(read, source.projection);
@@ -235,7 +241,7 @@ void readCameras(const Document& document, const Hierarchy& hierarchy, Scene& sc
     const file::Camera& data = document.model.cameras[size_t(source)];
     std::optional<Camera> camera = readCamera(data);
     if (!camera) {
-      warn("the camera at {} has no width or no height, and is left out", scene.nodes[i].path);
+      warn("the camera at {} has no width, no height or no depth, and is left out", scene.nodes[i].path);
       continue;
     }
     camera->name = data.name.empty() ? scene.nodes[i].name : data.name;
