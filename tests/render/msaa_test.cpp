@@ -362,6 +362,29 @@ TEST_P(MsaaTest, SurfacesOfConstantShadingLoseNothing) {
   }
 }
 
+// A white unlit surface has the value of its coverage, also where attributes are evaluated at the center of a part of
+// the samples.
+TEST_P(MsaaTest, WhiteSurfacesHaveTheirCoverage) {
+  scene::SceneBuilder builder("sphere");
+  builder.scene.meshes = {sphereMesh(0.4f)};
+  builder.scene.materials.push_back(scene::plainMaterial("m", {1, 1, 1}, 0, 1));
+  builder.scene.materials.back().data.flags |= shared::kMaterialUnlit;
+  builder.addInstance("sphere", builder.kRoot, 0, 0, glm::translate(glm::mat4(1), glm::vec3(0.05f, 0, 0.3f)));
+  Renderer renderer(device(), builder.scene, nullptr);
+  for (const TechniqueInfo* technique : supportedTechniques()) {
+    SCOPED_TRACE(technique->name);
+    Settings settings = multisampled(24, 24);
+    settings.lighting = technique;
+    const Values color = colorOf(renderer, frontCamera(), settings);
+    size_t edges = 0;
+    for (size_t i = 0; i < 24 * 24; ++i) {
+      for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(color[4 * i + c], color[4 * i + 3], 1e-3f) << i;
+      edges += color[4 * i + 3] > 0 && color[4 * i + 3] < 1;
+    }
+    EXPECT_GT(edges, 10u);
+  }
+}
+
 // The difference of displayed values, which are clamped.
 double difference(const Values& a, const Values& b, size_t pixel) {
   double sum = 0;

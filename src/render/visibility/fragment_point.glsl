@@ -54,7 +54,11 @@ Material drawMaterial() {
 // Attributes are evaluated at the center of the covered samples, as in the compute resolve. The pixel's center may lie
 // outside the triangle, where a normal or texture coordinate belongs to no point of it, and a centroid may lie anywhere
 // in the covered part.
-#define INSIDE(v) interpolateAtOffset(v, sampleCentroid(uint(gl_SampleMaskIn[0])) - 0.5)
+#define AT_CENTROID(v) interpolateAtOffset(v, sampleCentroid(uint(gl_SampleMaskIn[0])) - 0.5)
+// lavapipe (of Mesa 22.3) divides what it interpolates elsewhere by the reciprocal depth at the pixel's center, so all
+// values are wrong by the same factor, which a value of 1 shows.
+float unscaled(float one) { return kCpuDevice != 0u ? 1.0 / one : 1.0; }
+#define INSIDE(v) (AT_CENTROID(v) * unscaled(AT_CENTROID(varyingPosition).w))
 // Mip levels follow from the gradients between pixel centers. The interpolation stands in the branch that samples:
 // outside of it, lavapipe returns other coordinates, which differ more from those of single-sampled rendering, and
 // other gradients of the input itself.
@@ -79,9 +83,9 @@ vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
 
 SurfacePoint fragmentPoint() {
   SurfacePoint p;
-  p.position = INSIDE(varyingPosition);
+  p.position = INSIDE(varyingPosition).xyz;
   p.normal = INSIDE(varyingNormal);
-  p.plane = cross(dFdy(CENTRE(varyingPosition)), dFdx(CENTRE(varyingPosition)));
+  p.plane = cross(dFdy(CENTRE(varyingPosition)).xyz, dFdx(CENTRE(varyingPosition)).xyz);
   p.tangent = INSIDE(varyingTangent);
   p.uv = INSIDE(varyingUv);
   p.color = INSIDE(varyingColor);
@@ -101,9 +105,10 @@ SurfacePoint fragmentPoint() {
 int alphaTestedSamples(Material m) {
   int left = 0;
   for (int i = 0; i < int(kSamples); ++i) {
-    precise float alpha = m.baseColor.a * interpolateAtSample(varyingColor, i).a;
+    float scale = unscaled(interpolateAtSample(varyingPosition, i).w);
+    precise float alpha = m.baseColor.a * (interpolateAtSample(varyingColor, i).a * scale);
     if (hasTexture(m, kTextureBaseColor))
-      alpha *= texture(TEXTURE(m, 0), transformedUv(m.transforms[0], interpolateAtSample(varyingUv, i))).a;
+      alpha *= texture(TEXTURE(m, 0), transformedUv(m.transforms[0], interpolateAtSample(varyingUv, i) * scale)).a;
     if (alpha >= m.alphaCutoff) left |= 1 << i;
   }
   return left;

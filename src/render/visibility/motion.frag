@@ -17,7 +17,7 @@ void main() {
   View view = frameView(FrameRef(push.frame).v, push.view);
   motion = surfaceMotion(view.size);
   if (kMotionOfSurfaces != 0u)
-    motion.zw = vec2(length(varyingSeenBefore) / max(distance(varyingPosition, view.eye), 1e-20),
+    motion.zw = vec2(length(varyingSeenBefore) / max(distance(varyingPosition.xyz, view.eye), 1e-20),
                      float(varyingInstance + 1u));
   // Last, as in geometry.frag, because textures need the whole quad.
   if (kAlphaMasked != 0u && masked(drawMaterial(), fragmentPoint())) discard;

@@ -123,7 +123,7 @@ void vastMain(Instance instance) {
   Mesh mesh = frameMesh(frame, instance.mesh);
   VastVertex vertex = placeVastVertex(instance, mesh);
   setVastVaryings(instance, mesh, vertex);
-  varyingPosition = vertex.relative + inEye;
+  varyingPosition = vec4(vertex.relative + inEye, 1.0);
   varyingInstance = inInstance;
   varyingNumbers = drawNumbers(instance);
 #ifdef FRAGMENT_ORDER
@@ -143,7 +143,7 @@ void main() {
   vec3 relative = placeVertex(instance);
   VertexAttributes attributes = vertexAttributes(instance);
   VertexDirections directions = vertexDirections(instance);
-  varyingPosition = relative + inEye;
+  varyingPosition = vec4(relative + inEye, 1.0);
   varyingNormal = worldNormal(directions, attributes.normal);
   varyingTangent = worldTangent(directions, attributes.tangent);
   varyingUv = vec4(attributes.uv0, attributes.uv0);

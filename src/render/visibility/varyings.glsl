@@ -19,7 +19,7 @@ layout(constant_id = kVastDrawConstant) const uint kVastDraw = 0u;  // 1: draws 
 #else
 #define VARYING in
 #endif
-layout(location = 0) VARYING vec3 varyingPosition;  // world space
+layout(location = 0) VARYING vec4 varyingPosition;  // world space; w: 1
 layout(location = 1) VARYING vec3 varyingNormal;    // world space; unit length at the vertices
 layout(location = 2) VARYING vec4 varyingTangent;   // world space, not unit; w: sign of the bitangent, 0: no tangents
 layout(location = 3) VARYING vec4 varyingUv;        // UV sets 0 and 1
