@@ -239,5 +239,19 @@ TEST(GltfCompressed, PicturesOfOtherExtensions) {
   EXPECT_EQ(std::memcmp(scene.textures[0].pixels.get(), texels.data(), texels.size()), 0);
 }
 
+#ifdef LATELIGHT_AVIF
+// An AVIF image that ends after its type is decoded instead of the fallback.
+TEST(GltfCompressed, AvifReplacesTheFallback) {
+  const std::string type = std::string(3, 0) + "\x14" + "ftypavif" + std::string(4, 0) + "avif";
+  GltfBuilder b = triangleFile();
+  b.add("images", {{"uri", "nowhere.png"}});
+  b.add("images", {{"bufferView", b.view(std::as_bytes(std::span(type)))}, {"mimeType", "image/avif"}});
+  b.add("textures", {{"source", 0}, {"extensions", {{"EXT_texture_avif", {{"source", 1}}}}}});
+  b.primitive()["material"] = b.add("materials", {{"emissiveTexture", {{"index", 0}}}});
+  b.root["extensionsUsed"] = b.root["extensionsRequired"] = {"EXT_texture_avif"};
+  EXPECT_THAT(errorOf(b), HasSubstr("is an invalid AVIF image"));
+}
+#endif
+
 }  // namespace
 }  // namespace latelight::scene::test
