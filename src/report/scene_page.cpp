@@ -7,10 +7,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/error.h"
 #include "base/log.h"
 #include "output/debug.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
+#include "render/options/options.h"
 #include "render/visibility/compute/compute.h"
 #include "report/chart.h"
 #include "report/command.h"
@@ -184,7 +186,7 @@ class ScenePage {
         "lights", {"technique", "description", "tested, mean", "tested, max", "used, mean", "used, max"}, {}};
     std::string pictures;
     for (const render::TechniqueInfo& technique : render::techniques())
-      if (s_.device.hasGraphics() || !technique.draws) pictures += techniqueHtml(technique, table);
+      if (canLight(s_, technique)) pictures += techniqueHtml(technique, table);
     return "<p>The number of lights that a technique tests for each pixel, and the number that contribute to it, on a "
            "logarithmic scale from 0 (black) to 4095 (white).</p>\n" +
            toHtml(table, "Lights per pixel") + pictures;
@@ -250,6 +252,16 @@ std::vector<std::string> optionsFor(const Subject& subject, const render::Layout
 
 bool canLight(const Subject& subject, const render::Layout& layout) {
   return layout.hasTargets() || render::missingForComputeRaster(subject.device).empty();
+}
+
+bool canLight(const Subject& subject, const render::TechniqueInfo& technique) {
+  if (technique.draws && !subject.device.hasGraphics()) return false;
+  try {
+    render::checkSettings(settingsFor(subject, technique));
+  } catch (const latelight::Error&) {
+    return false;
+  }
+  return true;
 }
 
 render::Settings settingsFor(const Subject& subject, const render::Layout& layout) {

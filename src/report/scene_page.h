@@ -30,10 +30,11 @@ struct Subject {
 // Returns `given` without the options that this layout would reject as meaningless.
 std::vector<std::string> optionsFor(const Subject& subject, const render::Layout& layout);
 
-// canLight() returns true if the device can light this layout. settingsFor() returns the settings for a layout; they
-// use another technique and raster if those of the page cannot light it. For a technique, they use another layout if
-// required.
+// canLight() returns true if the device can light this layout, and if the device and the page's options support the
+// technique. settingsFor() returns the settings for a layout; they use another technique and raster if those of the
+// page cannot light it. For a technique, they use another layout if required.
 bool canLight(const Subject& subject, const render::Layout& layout);
+bool canLight(const Subject& subject, const render::TechniqueInfo& technique);
 render::Settings settingsFor(const Subject& subject, const render::Layout& layout);
 render::Settings settingsFor(const Subject& subject, const render::TechniqueInfo& technique);
 

@@ -123,7 +123,7 @@ std::string timesHtml(const Subject& s) {
     if (settings.raster == s.settings.raster && canLight(s, layout)) layouts.push_back(Timed{layout.name, settings});
   }
   for (const render::TechniqueInfo& technique : render::techniques()) {
-    if (technique.draws && !s.device.hasGraphics()) continue;
+    if (!canLight(s, technique)) continue;
     techniques.push_back({technique.name, settingsFor(s, technique)});
   }
   measure(s, layouts);

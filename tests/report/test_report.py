@@ -278,6 +278,13 @@ def test_the_same_but_for_times(report, folder):
     assert without_times(report) == without_times(again)
 
 
+def test_techniques_without_an_option_are_left_out(folder):
+    latelight("report", "builtin:boxes", "--size", "33x17", "--runs", 1, "--shadows", "rays", "--sun", "30,40",
+              "-o", folder / "rays.html")
+    page = (folder / "rays.html").read_text()
+    assert "<h3>clustered</h3>" in page and "<h3>forward</h3>" not in page
+
+
 @pytest.mark.parametrize(
     "arguments, code, words",
     [
