@@ -31,8 +31,12 @@ constexpr char kWrongFactors[] =
     "factors of materials must be at least 0, and metallic and roughness at most 1, and one of world {} is not";
 constexpr char kWrongEnvironment[] = "the intensity of the environment must be at least 0, and that of world {} is not";
 
+// As floats.
+bool areFinite(std::span<const double> values) {
+  return std::ranges::all_of(values, [](double value) { return std::isfinite(static_cast<float>(value)); });
+}
 bool isFinite(const Transform& transform) {
-  return std::ranges::all_of(transform, [](double value) { return std::isfinite(static_cast<float>(value)); });
+  return areFinite(transform);
 }
 
 bool isFinite(const Light& light) {
@@ -132,7 +136,7 @@ std::vector<std::array<double, 4>> intrinsicsOf(vk::Device& device, const WorldA
   const std::vector<double> all = numbersOf(device, array, count * 9);
   for (size_t i = 0; i < count; ++i) {
     const double* k = all.data() + 9 * i;
-    if (!std::all_of(k, k + 9, [](double value) { return std::isfinite(static_cast<float>(value)); })) {
+    if (!areFinite({k, 9})) {
       intrinsics.push_back({kNan, kNan, kNan, kNan});
       continue;
     }
@@ -463,8 +467,7 @@ void Scene::Impl::WorldConverter::findInvalid(bool onDevice) {
   for (size_t world = 0; world < from.environmentIntensity.size(); ++world)
     if (!std::isfinite(from.environmentIntensity[world])) invalid[world] = 1;
   for (size_t i = 0; !onDevice && i < from.intrinsics.size(); ++i)
-    if (!std::ranges::all_of(from.intrinsics[i], [](double value) { return std::isfinite(static_cast<float>(value)); }))
-      invalid[i / from.cameras.size()] = 1;
+    if (!areFinite(from.intrinsics[i])) invalid[i / from.cameras.size()] = 1;
 }
 
 // Returns the factors of the materials of all instances.
