@@ -111,9 +111,10 @@ render::Settings internalSettings(const Options& o) {
   return s;
 }
 
-render::Settings settingsFor(vk::Device& device, const Options& o, const scene::Scene& scene) {
+render::Settings settingsFor(vk::Device& device, const Options& o, const scene::Scene& scene,
+                             render::RasterUse use = render::RasterUse::Image) {
   render::Settings s = internalSettings(o);
-  s.raster = render::chooseRaster(device, s, scene).raster;
+  s.raster = render::chooseRaster(device, s, scene, use).raster;
   return s;
 }
 
@@ -603,7 +604,7 @@ Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results re
   if (!options.previousCameras.empty() || !options.nextCameras.empty())
     badUsage("worlds have previous and next cameras of their own: leave those of the options empty");
   rejectExposures(worlds.cameras);
-  const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
+  const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene, render::RasterUse::Worlds);
   render::SceneState moment = internalState(options, settings, impl_->scene, 0);
   if (worlds.arrays.ready > 0 && impl_->inputTimeline)
     impl_->device->waitFirst(impl_->inputTimeline->get(), worlds.arrays.ready);
@@ -686,7 +687,8 @@ Renderer::Impl::LabelInput Renderer::Impl::labelInput(const Camera& camera, cons
 
 Renderer::Impl::WorldLabelInput Renderer::Impl::worldLabelInput(const Worlds& worlds, const Options& options) {
   owner.require("the renderer");
-  WorldLabelInput input{.cameras = {}, .settings = settingsFor(*device, options, scene), .moment = {}};
+  WorldLabelInput input{
+      .cameras = {}, .settings = settingsFor(*device, options, scene, render::RasterUse::Worlds), .moment = {}};
   if (input.settings.shutter != 0 || input.settings.readout != 0)
     badUsage("worlds do not support an exposure time and a rolling shutter: omit shutter and readout");
   rejectExposures(worlds.cameras);

@@ -153,12 +153,12 @@ TEST_F(ComputeOnly, AutoChoosesARasterThatTheDeviceSupports) {
 TEST_F(ComputeOnly, AutoDependsOnTheSceneWithoutDescriptorIndexing) {
   if (device().maxTextureArray() != 0) GTEST_SKIP() << "this device has descriptor indexing";
   scene::Scene scene;
-  scene.meshes.emplace_back().indices.resize(3 * 1'000'000);
+  scene.meshes.emplace_back().indices.resize(3 * 100'000);
   Settings data, picture;
   data.display = false;
   data.aovs = {Aov::Depth, Aov::Id};
   for (Settings* s : {&data, &picture}) s->width = s->height = 1000;
-  const auto minInstancesForCompute = [&](const Settings& s) {  // number of instances with a million triangles each
+  const auto minInstancesForCompute = [&](const Settings& s) {  // number of instances with 100,000 triangles each
     scene.instances.clear();
     while (chooseRaster(device(), s, scene).raster == Raster::Hardware) {
       scene.instances.push_back({});
@@ -178,6 +178,25 @@ TEST_F(ComputeOnly, AutoDependsOnTheSceneWithoutDescriptorIndexing) {
   picture.width = 5000;
   EXPECT_EQ(minInstancesForCompute(data), dataInstances) << "no textures to filter";
   EXPECT_GT(minInstancesForCompute(picture), imageInstances + 5) << "more pixels";
+}
+
+// Calls of worlds repeat, so the time to create more pipelines does not count.
+TEST_F(ComputeOnly, AutoChoosesComputeForSmallImagesOfWorldsWithoutDescriptorIndexing) {
+  if (device().maxTextureArray() != 0) GTEST_SKIP() << "this device has descriptor indexing";
+  scene::Scene scene;
+  scene.meshes.emplace_back().indices.resize(3 * 10'000);
+  scene.instances.push_back({});
+  Settings picture;
+  picture.raster = Raster::Auto;
+  picture.width = picture.height = 64;
+  EXPECT_EQ(chooseRaster(device(), picture, scene).raster, Raster::Hardware);
+  EXPECT_EQ(chooseRaster(device(), picture, scene, RasterUse::Worlds).raster, Raster::Compute);
+  picture.width = picture.height = 256;
+  EXPECT_EQ(chooseRaster(device(), picture, scene, RasterUse::Worlds).raster, Raster::Hardware);
+  Settings data = picture;
+  data.display = false;
+  data.aovs = {Aov::Depth, Aov::Id};
+  EXPECT_EQ(chooseRaster(device(), data, scene, RasterUse::Worlds).raster, Raster::Compute);
 }
 
 }  // namespace

@@ -83,19 +83,19 @@ std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings&
 }
 
 // Returns the number of triangles above which the raster compute is faster if its shaders have to filter textures
-// themselves. The formula follows the crossings on lavapipe, docs/performance.md#which-raster-on-two-cores.
-uint64_t mostForHardware(const Settings& settings) {
+// themselves. The formulas follow the crossings on lavapipe, docs/performance.md#which-raster-on-two-cores.
+uint64_t mostForHardware(const Settings& settings, RasterUse use) {
   const double pixels = double(settings.width) * settings.height;
-  if (textureSlots(settings) == 0) return 1'300'000;
-  return uint64_t(settings.aa.samples > 1 ? 6e5 + pixels : 1.3e6 + 2.2 * pixels);
+  if (use == RasterUse::Worlds) return textureSlots(settings) == 0 ? 0 : uint64_t(0.7 * pixels);
+  if (textureSlots(settings) == 0) return 200'000;
+  return uint64_t(settings.aa.samples > 1 ? 2e5 + 0.45 * pixels : 8e5 + 0.8 * pixels);
 }
 
-RasterChoice chooseWithoutIndexing(const Settings& settings, const scene::Scene& scene) {
-  const uint64_t most = mostForHardware(settings);
+RasterChoice chooseWithoutIndexing(const Settings& settings, const scene::Scene& scene, RasterUse use) {
+  const uint64_t most = mostForHardware(settings, use);
   return {scene.triangleCount() > most ? Raster::Compute : Raster::Hardware,
-          fmt::format("without descriptor indexing compute shaders have to filter textures themselves, which pays from "
-                      "{:.1f} million triangles on at {}x{}",
-                      most / 1e6, settings.width, settings.height)};
+          fmt::format("without descriptor indexing, compute is faster above {} triangles at {}x{}", most,
+                      settings.width, settings.height)};
 }
 
 }  // namespace
@@ -124,10 +124,10 @@ std::vector<double> depthTimes(Renderer& renderer, const scene::Scene& scene, Ra
   return times;
 }
 
-RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene) {
+RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene, RasterUse use) {
   if (settings.raster != Raster::Auto) return {settings.raster, "it was asked for"};
   if (const auto only = onlyChoice(device, settings)) return *only;
-  if (device.maxTextureArray() == 0) return chooseWithoutIndexing(settings, scene);
+  if (device.maxTextureArray() == 0) return chooseWithoutIndexing(settings, scene, use);
   const Times times = knownTimes(device);
   return {times.compute < times.hardware ? Raster::Compute : Raster::Hardware,
           fmt::format("300,000 small triangles take {:.3f} ms with hardware and {:.3f} with compute", times.hardware,

@@ -8,6 +8,11 @@
 
 namespace latelight::render {
 
+enum class RasterUse {
+  Image,   // a process may render only one, so the time to create pipelines counts
+  Worlds,  // of calls that repeat, so only the time of a call counts
+};
+
 struct RasterChoice {
   Raster raster;    // Hardware or Compute
   std::string why;  // a sentence without its period
@@ -16,8 +21,10 @@ struct RasterChoice {
 // Returns the raster that `settings.raster` stands for on this device: itself, or the choice of `auto`. If both rasters
 // are possible, `auto` chooses the one that finds the depth of 300,000 small triangles sooner. This is measured the
 // first time on a device and driver, then kept in the cache folder. Where descriptor indexing is not enabled, the
-// choice depends on the scene's triangle count instead. Throws Error(NoDevice) if the device supports neither raster.
-RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene);
+// choice depends on the scene's triangle count and on `use` instead. Throws Error(NoDevice) if the device supports
+// neither raster.
+RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene,
+                          RasterUse use = RasterUse::Image);
 
 // Returns the milliseconds of device time until the depth of each pixel is known, for each of `frames` frames of a
 // square picture from the scene's first camera. Before, it renders one frame to warm up, and more until `warmUp`
