@@ -189,6 +189,30 @@ TEST_P(MsaaTest, ViewsOfABatchEqualSingleViews) {
   }
 }
 
+// Layouts that store positions have that of a surface's first sample, but surfaces are lit at the mean of their
+// samples, as in layouts that compute positions from depth. Light lists hold the lights there.
+TEST_P(MsaaTest, LayoutsThatStorePositionsAreLitAtTheMeanOfSamples) {
+  const scene::Scene scene = scene::load("builtin:hall,triangles=50k,lights=250");
+  Renderer renderer(device(), scene, nullptr);
+  const scene::Camera camera = cameraOf(scene, 96, 54);
+  const auto colorsOf = [&](const char* layout, const char* technique) {
+    Settings settings = multisampled(96, 54);
+    settings.layout = &findLayout(layout);
+    settings.lighting = &findTechnique(technique);
+    return colorOf(renderer, camera, settings);
+  };
+  const Values expected = colorsOf("compact", "fullscreen");
+  for (const char* layout : {"exact", "plain", "blog"}) {
+    const Values all = colorsOf(layout, "fullscreen"), listed = colorsOf(layout, "clustered");
+    size_t others = 0;
+    for (size_t i = 0; i < all.size(); ++i) {
+      ASSERT_NEAR(listed[i], all[i], 2e-3f * all[i] + 1e-4f) << layout << ", pixel " << i / 4;
+      others += std::abs(all[i] - expected[i]) > 0.02f * expected[i] + 2e-3f;
+    }
+    EXPECT_LT(others, all.size() / 200) << layout;
+  }
+}
+
 // Frames with one and with four samples in one graph: their images alias the same memory, under synchronization
 // validation.
 using MsaaGraph = RenderTest;

@@ -75,8 +75,12 @@ Surface readSurface(View view, ivec3 pixel, uint samples, float depth, float ao)
 Surface readSurface(View view, ivec3 pixel, float depth, float ao) { return visibleSurface(view, pixel, 1u); }
 #elif defined(MULTISAMPLED)
 Surface readSurface(View view, ivec3 pixel, uint samples, float depth, float ao) {
-  GbufferTexel texel = readTexel(pixel, max(findLSB(samples), 0));
-  return unpackSurface(view, vec2(pixel.xy) + sampleCentroid(samples), texel, depth, ao);
+  vec2 place = vec2(pixel.xy) + sampleCentroid(samples);
+  Surface s = unpackSurface(view, place, readTexel(pixel, max(findLSB(samples), 0)), depth, ao);
+  GbufferContext context = gbufferContext(view, place);
+  context.depth = depth;
+  s.position = positionFromDepth(context);  // layouts may store the first sample's
+  return s;
 }
 #else
 Surface readSurface(View view, ivec3 pixel, float depth, float ao) {
