@@ -315,6 +315,11 @@ struct AnimationChannel {
   std::vector<float> values;
 };
 
+// Triangulates a polygon that need not be convex, and returns the corners of its triangles: N corners become N - 2
+// triangles, fewer than three none. A convex polygon becomes a fan. The triangles of a polygon that intersects or
+// touches itself may overlap.
+LATELIGHT_API std::vector<std::array<uint32_t, 3>> triangulate(std::span<const std::array<float, 3>> polygon);
+
 // An environment that a program creates: an equirectangular image of linear radiance, twice as wide as it is high. The
 // center column is at +X of the glTF frame, and the top row is the zenith.
 struct EnvironmentData {

@@ -25,6 +25,7 @@
 #include "render/submit/session.h"
 #include "scene/framing.h"
 #include "scene/load/load.h"
+#include "scene/mesh_files/polygon.h"
 #include "scene/rig_edit.h"
 #include "vk/read_back.h"
 #include "vk/shared_timeline.h"
@@ -236,6 +237,15 @@ scene::Environment makeEnvironment(const EnvironmentData& data) {
 }
 
 }  // namespace
+
+std::vector<std::array<uint32_t, 3>> triangulate(std::span<const std::array<float, 3>> polygon) {
+  std::vector<scene::vec3> corners;
+  corners.reserve(polygon.size());
+  for (const auto& [x, y, z] : polygon) corners.emplace_back(x, y, z);
+  std::vector<std::array<uint32_t, 3>> triangles;
+  scene::mesh_files::triangulate(corners, triangles);
+  return triangles;
+}
 
 EnvironmentData readEnvironment(const std::string& file) {
   const scene::FloatImage image = scene::readPicture(file);

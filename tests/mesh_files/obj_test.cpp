@@ -1,5 +1,8 @@
 // OBJ files: faces, indices, nodes, normals, and the materials of MTL.
 #include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
 
 #include "mesh_files/support.h"
 
@@ -37,6 +40,63 @@ TEST(Obj, PolygonsNegativeIndicesAndContinuedLines) {
     for (size_t i = 0; i < 6; i += 3)
       area += glm::cross(corners[i + 1] - corners[i], corners[i + 2] - corners[i]).z / 2;
     EXPECT_NEAR(area, 1, 1e-9) << face;
+  }
+}
+
+// Returns an OBJ file with one face of these corners, which lie in a plane that no axis is normal to.
+std::string objOfPolygon(const std::vector<glm::dvec2>& corners) {
+  std::string vertices, face = "f";
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const auto& [x, y] = std::pair(corners[i].x, corners[i].y);
+    vertices += fmt::format("v {} {} {}\n", 0.8 * x - 0.36 * y, 0.8 * y, 0.6 * x + 0.48 * y);
+    face += fmt::format(" {}", i + 1);
+  }
+  return vertices + face + "\n";
+}
+
+// Twice the area of the polygon by the shoelace formula, negative for clockwise corners.
+double doubleArea(const std::vector<glm::dvec2>& p) {
+  double sum = 0;
+  for (size_t i = 0; i < p.size(); ++i) {
+    const glm::dvec2 a = p[i], b = p[(i + 1) % p.size()];
+    sum += a.x * b.y - a.y * b.x;
+  }
+  return sum;
+}
+
+// The triangles do not overlap if their areas add up to that of the polygon.
+TEST(Obj, ConcavePolygonsMayHaveManyCorners) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  std::map<std::string, std::vector<glm::dvec2>> polygons;
+  for (const int count : {300, 1000, 100'000})  // waves around a circle
+    for (int i = 0; i < count; ++i) {
+      const double angle = kTurn * i / count, radius = 1 + 0.3 * std::sin(10 * angle);
+      polygons[fmt::format("wave {}", count)].emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+    }
+  std::minstd_rand random(1);
+  for (int i = 0; i < 20'000; ++i) {
+    const double angle = kTurn * i / 20'000, radius = 0.2 + 0.8 * random() / std::minstd_rand::max();
+    polygons["star"].emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+  }
+  for (int i = 0; i < 1000; ++i) {  // a spiral with a wall of constant thickness
+    const double angle = 5 * kTurn * i / 1000;
+    polygons["spiral"].emplace_back((2 + angle) * std::cos(angle), (2 + angle) * std::sin(angle));
+  }
+  for (int i = 999; i >= 0; --i) {
+    const double angle = 5 * kTurn * i / 1000;
+    polygons["spiral"].emplace_back((5 + angle) * std::cos(angle), (5 + angle) * std::sin(angle));
+  }
+  for (int i = 0; i <= 400; ++i)  // a ring, which a cut makes one polygon
+    polygons["ring"].emplace_back(2 * std::cos(kTurn * (i % 400) / 400), 2 * std::sin(kTurn * (i % 400) / 400));
+  for (int i = 400; i >= 0; --i)
+    polygons["ring"].emplace_back(std::cos(kTurn * (i % 400) / 400), std::sin(kTurn * (i % 400) / 400));
+  for (const auto& [name, polygon] : polygons) {
+    const std::vector<dvec3> corners = cornersOf(MeshFile("a.obj", objOfPolygon(polygon)).load());
+    ASSERT_EQ(corners.size(), 3 * (polygon.size() - 2)) << name;
+    double sum = 0;
+    for (size_t i = 0; i < corners.size(); i += 3)
+      sum += glm::length(glm::cross(corners[i + 1] - corners[i], corners[i + 2] - corners[i]));
+    EXPECT_NEAR(sum / std::abs(doubleArea(polygon)), 1, 1e-5) << name;
   }
 }
 

@@ -607,6 +607,32 @@ def test_usd_meshes_have_holes(stage):
     assert latelight.from_usd(stage).triangle_count == 0
 
 
+def triangle_areas(scene):
+    (handle,) = scene.instances()
+    mesh = scene.mesh_arrays(scene.instance(handle).mesh)
+    a, b, c = np.moveaxis(mesh["positions"][mesh["indices"]].astype(float), 1, 0)
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+
+
+@pytest.mark.parametrize("orientation", ("rightHanded", "leftHanded"))
+def test_usd_polygons_may_be_concave(stage, orientation):
+    """The triangles do not overlap if their areas add up to that of the polygons."""
+    mesh = add_mesh(stage, "/shapes")
+    angle = np.arange(1000) * 2 * np.pi / 1000
+    radius = 1 + 0.3 * np.sin(10 * angle)
+    wave = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(1000)], axis=1)
+    arrow = np.array([(0, 0, 0), (3, -1, 0), (1, 0, 0), (3, 1, 0)])  # of the area 1, concave at its third corner
+    mesh.CreatePointsAttr(np.concatenate([wave, arrow, wave[:3]]).tolist())
+    mesh.CreateFaceVertexCountsAttr([1000, 2, 4, 3])
+    mesh.CreateFaceVertexIndicesAttr([*range(1000), 0, 1, *range(1001, 1004), 1000, 1004, 1005, 1006])
+    mesh.CreateOrientationAttr(orientation)
+    areas = triangle_areas(latelight.from_usd(stage))
+    assert len(areas) == 998 + 2 + 1
+    expected = (radius * np.roll(radius, -1)).sum() * np.sin(2 * np.pi / 1000) / 2
+    assert areas[:998].sum() == pytest.approx(expected, rel=1e-5)
+    assert areas[998:1000].sum() == pytest.approx(1)
+
+
 def test_usd_meshes_without_triangles_are_left_out(stage):
     mesh = add_mesh(stage, "/squares")
     mesh.CreateFaceVertexCountsAttr([2, 2])

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._core import MaterialHandle, MeshHandle
+from .._core import MaterialHandle, MeshHandle, triangulate
 from .._model_builder import v_down
 from ..errors import UsageError
 from .context import Context
@@ -46,7 +46,7 @@ def mesh_parts(
     prim = mesh.GetPrim()
     if points is None:
         points = points_of(mesh, context.time)
-    every = _corners_of(context, mesh, len(points))
+    every = _corners_of(context, mesh, points)
     if len(every.flat) == 0:
         return []
     normals = corner_normals(context, mesh, every, context.time)
@@ -98,35 +98,26 @@ def corner_normals(context: Context, mesh: Any, corners: Corners, time: Any) -> 
     return _per_corner(mesh.GetNormalsAttr().Get(time), mesh.GetNormalsInterpolation(), corners, 3)
 
 
-def _corners_of(context: Context, mesh: Any, count: int) -> Corners:
-    """The corners of all triangles of a mesh with that many points, without those of its holes."""
+def _corners_of(context: Context, mesh: Any, points: np.ndarray) -> Corners:
+    """The corners of all triangles of a mesh, without those of its holes."""
     counts, indices, holes = (
         np.asarray(attribute.Get(context.time) or [], np.int64)
         for attribute in (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr(), mesh.GetHoleIndicesAttr())
     )
-    if count == 0 or len(counts) == 0:
+    if len(points) == 0 or len(counts) == 0:
         return Corners(*np.zeros((3, 0), np.int64))
     if (counts < 0).any():
         raise UsageError(f"{mesh.GetPath()} has a face with {counts.min()} corners")
-    if counts.sum() != len(indices) or (indices < 0).any() or (indices >= count).any():
+    if counts.sum() != len(indices) or (indices < 0).any() or (indices >= len(points)).any():
         raise UsageError(f"{mesh.GetPath()} has faces that refer to points it does not have")
-    first = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    corners, faces = _fans(first, counts)
+    corners = triangulate(np.ascontiguousarray(points, np.float32), indices, counts)
+    faces = np.repeat(np.arange(len(counts)), np.maximum(counts - 2, 0))
     shown = ~np.isin(faces, holes)
     corners, faces = corners[shown], faces[shown]
     if mesh.GetOrientationAttr().Get(context.time) == context.pxr.UsdGeom.Tokens.leftHanded:
         corners = corners[:, ::-1]
     flat = corners.ravel()
     return Corners(flat, indices[flat], np.repeat(faces, 3))
-
-
-def _fans(first: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The corners of the triangles of polygons, as fans, and the polygon of each triangle."""
-    triangles = np.maximum(counts - 2, 0)
-    faces = np.repeat(np.arange(len(counts)), triangles)
-    step = np.arange(len(faces)) - np.repeat(np.cumsum(triangles) - triangles, triangles)
-    begin = first[faces]
-    return np.stack([begin, begin + step + 1, begin + step + 2], axis=1), faces
 
 
 def _posed(

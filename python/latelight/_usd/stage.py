@@ -45,8 +45,8 @@ def from_usd(
     distant, sphere, rect, disk and cylinder lights, with color temperatures, and spheres with a cone as spot lights;
     dome lights, as the scene's environment; perspective, orthographic and shifted cameras; and the stage's units, up
     axis and chosen variants. Animated are transforms, skeletons, weights of blend shapes, points and normals, copies of
-    instancers, and visibility. Subdivision surfaces are shown as their cages, and polygons as fans. Curves, points,
-    volumes, procedural textures and other shaders are left out."""
+    instancers, and visibility. Subdivision surfaces are shown as their cages. Curves, points, volumes, procedural
+    textures and other shaders are left out."""
     with _opened(stage, time, allow_outside, "from_usd") as context:
         scene = _converted(context)
     if context.samples.unplayed:
