@@ -14,6 +14,7 @@
 
 #include "base/fork.h"
 #include "base/journal.h"
+#include "base/utf8.h"
 
 namespace latelight {
 namespace {
@@ -38,36 +39,13 @@ bool wantsColor() {
   return isTerminal() && (!off || !*off);
 }
 
-struct Character {
-  uint32_t code;
-  size_t bytes;
-};
-constexpr uint32_t kInvalid = ~0u;
-
-// The first character of a non-empty text; kInvalid and one byte if it is not UTF-8 (Unicode 15, table 3-7).
-Character firstOf(std::string_view text) {
-  const auto byte = [&](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  const uint32_t lead = byte(0);
-  if (lead < 0x80) return {lead, 1};
-  const size_t bytes = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
-  constexpr uint32_t kMin[] = {0x80, 0x800, 0x10000};
-  uint32_t code = lead & (0x7fu >> bytes);
-  for (size_t i = 1; i < bytes; ++i) {
-    if ((byte(i) & 0xc0) != 0x80) return {kInvalid, 1};
-    code = code << 6 | (byte(i) & 0x3f);
-  }
-  const bool surrogate = code >= 0xd800 && code < 0xe000;
-  if (lead < 0xc2 || lead > 0xf4 || code < kMin[bytes - 2] || code > 0x10ffff || surrogate) return {kInvalid, 1};
-  return {code, bytes};
-}
-
 bool isShown(uint32_t code) {
   const auto within = [&](uint32_t first, uint32_t last) { return code >= first && code <= last; };
   const bool control = code < 0x20 || within(0x7f, 0x9f);
   const bool line = within(0x2028, 0x2029);
   // Unicode's property Bidi_Control.
   const bool direction = code == 0x61c || within(0x200e, 0x200f) || within(0x202a, 0x202e) || within(0x2066, 0x2069);
-  return code != kInvalid && !control && !line && !direction;
+  return code != Utf8Character::kInvalid && !control && !line && !direction;
 }
 
 }  // namespace
@@ -76,7 +54,7 @@ std::string printable(std::string_view text) {
   std::string result;
   result.reserve(text.size());
   for (std::string_view rest = text; !rest.empty();) {
-    const Character character = firstOf(rest);
+    const Utf8Character character = firstUtf8Character(rest);
     result += isShown(character.code) ? rest.substr(0, character.bytes) : "?";
     rest.remove_prefix(character.bytes);
   }

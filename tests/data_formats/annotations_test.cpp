@@ -122,6 +122,13 @@ TEST_F(AnnotationsTest, VocBoxesCountPixelsFromOne) {
   EXPECT_THAT(object("cut"), HasSubstr("<xmin>97</xmin><ymin>1</ymin><xmax>128</xmax><ymax>48</ymax>"));
 }
 
+// XML has no control characters except white space, no U+FFFE and U+FFFF, and only characters of its encoding.
+TEST_F(AnnotationsTest, VocNamesAreXml) {
+  write("voc", {{"categories", {{"front$", "a&\x01\t\x7f\u00e9\ufffe\uffff\xe6 \U0001f600>"}}}});
+  EXPECT_THAT(text("Annotations/000003.xml"),
+              HasSubstr("<name>a&amp;  \x7f\u00e9\ufffd\ufffd\ufffd \U0001f600&gt;</name>"));
+}
+
 // The camera is 2 m in front of the back square and sees 90 degrees: 64 pixels are 2 m there.
 TEST_F(AnnotationsTest, KittiBoxesAreInTheCamerasFrame) {
   const FrameRecord record = write("kitti", {{"categories", {{"back", "back wall"}, {"front", "front"}}}}, true);

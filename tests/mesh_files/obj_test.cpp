@@ -128,6 +128,25 @@ TEST(Obj, ObjectsAndGroupsAreNodes) {
   EXPECT_NE(scene.instances[4].part, scene.instances[5].part);
 }
 
+// Old files are in Latin-1. A library in UTF-8 defines the material of a file in Latin-1. Names of image files keep
+// their bytes, because those are the names in the file system.
+TEST(Obj, NamesAreUtf8) {
+  MeshFile file(
+      "Stra\xdf"
+      "e.obj",
+      std::string("mtllib a.mtl\n") + kSquare +
+          "vt 0 0\no B\xe6k\nusemtl f\xf8\nf 1 2 3\ng S\xf8\nusemtl gr\xfcn\nf 1/1 2/1 3/1\ng \xc3\xbc\nf 1 2 4\n");
+  file.add("a.mtl", "newmtl f\xc3\xb8\nKd 1 0 0\nnewmtl gr\xfcn\nmap_Kd gr\xfcn.png\n");
+  file.add("gr\xfcn.png", png(1, 1, {{0, 255, 0, 255}}));
+  const Scene scene = file.load();
+  EXPECT_THAT(pathsOf(scene), ElementsAre("/Straße/Bæk", "/Straße/Bæk/Sø", "/Straße/Bæk/ü"));
+  EXPECT_EQ(materialOf(scene).name, "fø");
+  EXPECT_EQ(materialOf(scene).data.baseColor, vec4(1, 0, 0, 1));
+  EXPECT_EQ(materialOf(scene, 1).name, "grün");
+  ASSERT_EQ(scene.textures.size(), 1u);
+  EXPECT_EQ(scene.textures[0].name, "grün.png");
+}
+
 TEST(Obj, CornersShareVertices) {
   const std::string text =
       std::string(kSquare) + "vt 0 0\nvt 1 0.25\nvn 0 0 2\nf 1/1/1 2/2/1 3/2/1\nf 1/1/1 3/2/1 4/1/1\n";

@@ -75,6 +75,16 @@ TEST(Stl, EachSolidIsANode) {
   EXPECT_NE(scene.instances[0].id, scene.instances[1].id);
 }
 
+// The names are in UTF-8 and in Latin-1.
+TEST(Stl, NamesOfSolidsAreUtf8) {
+  const MeshFile file("a.stl", "solid S\xc3\xb8\n" + asciiFacet(kFacets[0]) + "endsolid\nsolid B\xe6k\n" +
+                                   asciiFacet(kFacets[1]) + "endsolid\n");
+  const Scene scene = file.load();
+  ASSERT_EQ(scene.nodes.size(), 3u);
+  EXPECT_EQ(scene.nodes[1].path, "/a/Sø");
+  EXPECT_EQ(scene.nodes[2].path, "/a/Bæk");
+}
+
 TEST(Stl, WrongFilesAreReported) {
   EXPECT_THAT(MeshFile("a.stl", binaryStl("", kFacets, 1'000'000'000)).error(), HasSubstr("1000000000 facets"));
   EXPECT_THAT(MeshFile("a.stl", binaryStl("", {}, 0)).error(), HasSubstr("no facets"));

@@ -284,3 +284,15 @@ def test_exported_scenes_have_their_edits(wall, tmp_path):
     assert again.material(again.materials()[0]).base_color == scene.material(material).base_color
     with pytest.raises(latelight.UsageError, match=".glb, .obj or .ply"):
         scene.export(tmp_path / "wall.fbx")
+
+
+def test_names_of_old_files_are_text(tmp_path):
+    """The names are in Latin-1."""
+    path = tmp_path / "map.obj"
+    path.write_bytes(b"o B\xe6k\nusemtl f\xf8\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    scene = latelight.Scene(path)
+    assert [node.path for node in scene.nodes] == ["/map", "/map/Bæk"]
+    (instance,) = (scene.instance(handle) for handle in scene.instances())
+    assert scene.material(instance.material).name == "fø"
+    assert scene.mesh(instance.mesh).name == "Bæk"
+    assert {entry["node"] for entry in scene.id_manifest()["ids"].values()} == {"/map", "/map/Bæk"}

@@ -2,6 +2,7 @@
 // et al. 2010, "The Pascal Visual Object Classes Challenge").
 #include <fmt/format.h>
 
+#include "base/utf8.h"
 #include "data/formats/categories.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
@@ -14,17 +15,23 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Returns a text for the content of an element. Characters that XML does not allow (XML 1.0, production 2) are
+// replaced: control characters by blanks, and bytes that are not UTF-8, which names of files may have, by U+FFFD.
 std::string escaped(std::string_view text) {
   std::string out;
-  for (const char c : text) {
-    if (c == '&')
+  while (!text.empty()) {
+    const auto [code, bytes] = firstUtf8Character(text);
+    if (code == '&')
       out += "&amp;";
-    else if (c == '<')
+    else if (code == '<')
       out += "&lt;";
-    else if (c == '>')
+    else if (code == '>')
       out += "&gt;";
+    else if (code == Utf8Character::kInvalid || code == 0xfffe || code == 0xffff)
+      out += "\ufffd";
     else
-      out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+      out += code < 0x20 ? " " : text.substr(0, bytes);
+    text.remove_prefix(bytes);
   }
   return out;
 }

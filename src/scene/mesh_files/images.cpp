@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/utf8.h"
 #include "scene/textures/texture.h"
 #include "shared/color.h"
 
@@ -115,12 +116,12 @@ Texture Images::pack(const ImageRequest& request) const {
   for (int i = 0; i < 2; ++i) {
     const ImageUse& use = i == 0 ? request.first : request.second;
     if (use.file.empty()) continue;
-    planes[i] = {decodeTexture(encoded(use.file), request.srgb && i == 0, use.file), &use};
+    planes[i] = {decodeTexture(encoded(use.file), request.srgb && i == 0, utf8OrLatin1(use.file)), &use};
     size = {std::max(size.width, planes[i].image->width), std::max(size.height, planes[i].image->height)};
   }
   if (request.make == ImageRequest::Make::NormalsFromHeights && !isGray(*planes[0].image))
     return *std::move(planes[0].image);
-  Texture texture = makeTexture(size, request.srgb, request.first.file + request.second.file);
+  Texture texture = makeTexture(size, request.srgb, utf8OrLatin1(request.first.file + request.second.file));
   auto* texels = reinterpret_cast<uint8_t*>(texture.pixels.get());
   parallelFor(size.height, 64, [&](size_t begin, size_t end) {
     for (size_t y = begin; y < end; ++y)
@@ -133,7 +134,7 @@ Texture Images::pack(const ImageRequest& request) const {
 
 Texture Images::make(const ImageRequest& request) const {
   if (request.make == ImageRequest::Make::Plain)
-    return decodeTexture(encoded(request.first.file), request.srgb, request.first.file);
+    return decodeTexture(encoded(request.first.file), request.srgb, utf8OrLatin1(request.first.file));
   return pack(request);
 }
 

@@ -12,6 +12,7 @@
 #include "base/files.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/utf8.h"
 #include "scene/ids.h"
 #include "scene/mesh_files/source.h"
 
@@ -80,7 +81,7 @@ Source::Source(const std::filesystem::path& file, MeshFormat format, const LoadO
       frame(frameOf(format, loadOptions)),
       bytes(readLargeFile(file)),
       folders(file, loadOptions.allowOutside),
-      builder(file.stem().string(), frame.yUp, dmat4(glm::dmat3(frame.metersPerUnit))) {}
+      builder(utf8OrLatin1(file.stem().string()), frame.yUp, dmat4(glm::dmat3(frame.metersPerUnit))) {}
 
 uint32_t Source::addNode(const std::string& name, uint32_t parent, std::vector<Primitive> primitives) {
   std::erase_if(primitives, [](const Primitive& primitive) { return primitive.mesh.indices.empty(); });

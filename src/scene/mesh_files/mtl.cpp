@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/utf8.h"
 #include "scene/mesh_files/text.h"
 
 namespace latelight::scene::mesh_files {
@@ -36,7 +37,7 @@ class MtlParser {
     const std::string_view key = words.word();
     if (key.empty() || key[0] == '#') return;
     if (equalsIgnoringCase(key, "newmtl")) {
-      const std::string material(words.rest());
+      const std::string material = utf8OrLatin1(words.rest());
       current_ = &(materials_[material] = {.name = material});
       return;
     }

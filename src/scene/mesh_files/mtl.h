@@ -22,7 +22,7 @@ struct MtlMap {
 };
 
 struct MtlMaterial {
-  std::string name;
+  std::string name;                                 // UTF-8
   std::optional<vec3> diffuse, specular, emissive;  // Kd, Ks, Ke
   std::optional<float> exponent;                    // Ns
   float alpha = 1;                                  // d, or 1 - Tr

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/utf8.h"
 #include "scene/mesh_files/text.h"
 
 namespace latelight::scene::mesh_files {
@@ -56,7 +57,7 @@ class BlockParser {
 
   // Replaces the ends of continued lines by blanks.
   std::string_view join(std::string_view line) {
-    std::string& text = block_.joined.emplace_back(line);
+    std::string& text = block_.owned.emplace_back(line);
     for (size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', end)) {
       size_t slash = text.rfind('\\', end);
       std::fill(text.begin() + static_cast<ptrdiff_t>(slash), text.begin() + static_cast<ptrdiff_t>(end) + 1, ' ');
@@ -101,7 +102,10 @@ class BlockParser {
     if (key == "curv" || key == "curv2" || key == "surf") block_.hasCurves = true;
   }
 
-  void add(ObjKey key, std::string_view value) { block_.statements.push_back({key, value, block_.faceSizes.size()}); }
+  void add(ObjKey key, std::string_view value) {
+    if (!isUtf8(value)) value = block_.owned.emplace_back(utf8OrLatin1(value));
+    block_.statements.push_back({key, value, block_.faceSizes.size()});
+  }
 
   template <int N>
   glm::vec<N, float> numbers(Words& words, int required, std::string_view problem) const {

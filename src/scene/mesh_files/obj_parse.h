@@ -20,8 +20,8 @@ enum class ObjKey : uint8_t { Object, Group, Material, Smoothing };
 
 struct ObjStatement {
   ObjKey key = ObjKey::Object;
-  std::string_view value;
-  size_t face = 0;  // it applies from this face of the block on
+  std::string_view value;  // UTF-8
+  size_t face = 0;         // it applies from this face of the block on
 };
 
 // A part of the file that one thread parses.
@@ -35,7 +35,7 @@ struct ObjBlock {
   std::vector<ObjStatement> statements;
   std::vector<std::string_view> materialLibraries;
   bool hasPoints = false, hasCurves = false;  // points and lines; free-form curves and surfaces
-  std::deque<std::string> joined;             // lines that the file continues by "\"
+  std::deque<std::string> owned;              // lines that the file continues by "\", and converted names
 };
 
 struct ObjFile {

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/utf8.h"
 #include "scene/mesh_files/polygon.h"
 #include "scene/mesh_files/source.h"
 #include "scene/mesh_files/text.h"
@@ -113,7 +114,7 @@ class AsciiReader {
       if (!corners_.empty()) wrong(at, "begins a facet before the last one has ended with \"endfacet\"");
     } else if (equalsIgnoringCase(key, "solid")) {
       finishSolid();
-      name_ = std::string(words.rest());
+      name_ = utf8OrLatin1(words.rest());
     } else if (!key.empty() && !equalsIgnoringCase(key, "outer") && !equalsIgnoringCase(key, "endloop") &&
                !equalsIgnoringCase(key, "endsolid")) {
       wrong(at, fmt::format("begins with \"{}\", which ASCII STL does not define: export the file again",
