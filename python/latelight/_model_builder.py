@@ -18,6 +18,7 @@ from .errors import InputError, LatelightError, UsageError
 
 Wrap = Literal["repeat", "mirror", "clamp"]
 
+DEFAULT_COLOR = (0.8, 0.8, 0.8, 1.0)  # linear, of what has no material
 FROM_Z_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], np.float64)
 
 
@@ -93,7 +94,7 @@ class Builder:
         self.kept: list[Any] = []  # keeps the ids in the keys above unique
 
     def default_material(self, double_sided: bool = False) -> MaterialHandle:
-        return self.plain("default", (0.8, 0.8, 0.8, 1), False, double_sided)
+        return self.plain("default", DEFAULT_COLOR, False, double_sided)
 
     def white(self, translucent: bool, double_sided: bool = False) -> MaterialHandle:
         """For meshes whose vertices have colors."""

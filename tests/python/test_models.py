@@ -571,6 +571,33 @@ def test_usd_shapes_have_their_sizes(stage):
         latelight.from_usd(stage)
 
 
+def test_usd_meshes_and_shapes_have_opacities(stage):
+    """Alpha is displayOpacity, of meshes also per point, and inherited. Without displayColor the color is the default's."""
+    from pxr import Sdf, UsdGeom
+
+    glass = add_mesh(stage, "/glass")
+    glass.CreateDisplayColorAttr([(1, 0.5, 0)])
+    glass.CreateDisplayOpacityAttr([0.5])
+    opacity = add_mesh(stage, "/fade").CreateDisplayOpacityPrimvar("vertex")
+    opacity.Set([0, 0.5, 1, 1, 1, 2])
+    add_mesh(stage, "/opaque").CreateDisplayOpacityAttr([1])
+    UsdGeom.Sphere.Define(stage, "/group/bubble").CreateDisplayColorAttr([(0, 0, 1)])
+    group = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/group"))
+    group.CreatePrimvar("displayOpacity", Sdf.ValueTypeNames.FloatArray, "constant").Set([0.25])
+    scene = latelight.from_usd(stage)
+    made = {}
+    for node, handle in zip(scene.nodes, scene.instances()):
+        instance = scene.instance(handle)
+        colors = scene.mesh_arrays(instance.mesh)["colors"]
+        made[node.path] = (scene.material(instance.material).alpha_mode, np.unique(colors, axis=0).round(4).tolist())
+    assert made == {
+        "/glass": ("blend", [[1, 0.5, 0, 0.5]]),
+        "/fade": ("blend", [pytest.approx([0.8, 0.8, 0.8, alpha], abs=1e-4) for alpha in (0, 0.5, 1)]),
+        "/opaque": ("opaque", [pytest.approx([0.8, 0.8, 0.8, 1], abs=1e-4)]),
+        "/group.bubble": ("blend", [[0, 0, 1, 0.25]]),
+    }
+
+
 def test_usd_shapes_may_taper(stage):
     from pxr import UsdGeom
 
@@ -1007,6 +1034,32 @@ def test_usd_cameras_may_be_orthographic_or_shifted(stage, device):
             start, direction = np.array(ray.startPoint), np.array(ray.direction)
             x, y, _ = (start - direction * start[2] / direction[2]) / 100
             np.testing.assert_allclose(position[row, column], (x, 0, -y), atol=2e-5)
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+def test_usd_cameras_clip_by_their_range(stage, device, projection):
+    """Floors 0.3, 2 and 20 m below the camera. USD's range without an authored one begins at 1 unit."""
+    from pxr import UsdGeom
+
+    UsdGeom.SetStageMetersPerUnit(stage, 1)
+    camera = UsdGeom.Camera.Define(stage, "/camera")
+    camera.CreateProjectionAttr(projection)
+    for depth in (0.3, 2, 20):
+        UsdGeom.XformCommonAPI(add_mesh(stage, f"/floor{int(10 * depth)}")).SetTranslate((-50, -50, -depth))
+
+    def seen(clipping):
+        if clipping:
+            camera.CreateClippingRangeAttr(clipping)
+        scene = latelight.from_usd(stage)
+        return float(latelight.Renderer(scene, device).render(scene.cameras[0], (8, 8), "depth")["depth"][4, 4])
+
+    assert seen(None) == pytest.approx(0.3, abs=0.01)  # depth is rounded to 2^-24 of USD's default far plane
+    assert seen((0.5, 10)) == pytest.approx(2)
+    assert seen((3, 100)) == pytest.approx(20)
+    assert seen((3, 10)) == np.inf
+    repaired = {"perspective": (0.3, 20), "orthographic": (0.3, 2)}[projection]
+    assert seen((0, 10)) == pytest.approx(repaired[0])
+    assert seen((10, 0.5)) == pytest.approx(repaired[1])
 
 
 @pytest.mark.parametrize("projection", ["perspective", "orthographic"])
@@ -1632,6 +1685,38 @@ def test_usd_surfaces_may_have_the_specular_workflow(stage, tmp_path):
     _, reflectance, _, has_texture = converted()
     assert has_texture
     np.testing.assert_allclose(reflectance, 1, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "file, reason",
+    [("gone.png", "does not exist"), ("gone.<UDIM>.png", "consists of UDIM tiles, which are not supported")],
+)
+def test_usd_images_that_do_not_exist_are_left_out(stage, file, reason):
+    from pxr import UsdShade
+
+    painted(stage, file)
+    with pytest.warns(UserWarning) as raised:
+        scene = latelight.from_usd(stage)
+    assert [str(warning.message) for warning in raised] == [f"the image {file} of /paint/image {reason}, and is left out"]
+    assert scene.textures() == []
+    UsdShade.Shader(stage.GetPrimAtPath("/paint/image")).GetInput("file").Set("")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        latelight.from_usd(stage)
+
+
+def test_usd_images_may_be_inputs_of_the_material(stage, tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, UsdShade
+
+    image.fromarray(np.full((2, 2, 3), 120, np.uint8)).save(tmp_path / "gray.png")
+    painted(stage, "")
+    given = UsdShade.Material.Define(stage, "/paint").CreateInput("image", Sdf.ValueTypeNames.Asset)
+    given.Set(str(tmp_path / "gray.png"))
+    file = UsdShade.Shader(stage.GetPrimAtPath("/paint/image")).GetInput("file")
+    file.GetAttr().Clear()
+    file.ConnectToSource(given)
+    assert painted_with(latelight.from_usd(stage), tmp_path) == ([120] * 3, 120)
 
 
 def test_usd_images_may_have_16_bits(stage, tmp_path):

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from .._core import Camera
 from ..errors import UsageError
 from .animation import Animation
 from .context import Context
@@ -35,15 +36,27 @@ def add_camera(context: Context, animation: Animation, prim: Any) -> None:
     if is_orthographic:
         camera.orthographic = True
         camera.half_height = gf.verticalAperture * context.pxr.Gf.Camera.APERTURE_UNIT / 2 * context.meters
-        camera.near_clip, camera.far_clip = (d * context.meters for d in (gf.clippingRange.min, gf.clippingRange.max))
     else:
         camera.vertical_fov = float(gf.GetFieldOfView(context.pxr.Gf.Camera.FOVVertical))
+    _set_planes(context, camera, prim)
     # An offset moves what the camera sees, and the center of the projection moves the other way in the image.
     if gf.horizontalAperture > 0:
         camera.aspect = gf.horizontalAperture / gf.verticalAperture
         camera.principal_x = -2 * gf.horizontalApertureOffset / gf.horizontalAperture
     camera.principal_y = -2 * gf.verticalApertureOffset / gf.verticalAperture
     context.scene.add_camera(camera, animation.node_of(prim) if context.samples.moves(prim) else None)
+
+
+def _set_planes(context: Context, camera: Camera, prim: Any) -> None:
+    """USD's range without an authored one begins at 1 unit, which would clip what is near the camera in stages in
+    meters. Ranges that are not possible are repaired like those of glTF files."""
+    attribute = context.pxr.UsdGeom.Camera(prim).GetClippingRangeAttr()
+    near, far = (float(distance) * context.meters for distance in attribute.Get(context.time))
+    if camera.orthographic:
+        camera.near_clip, camera.far_clip = sorted((near if attribute.HasAuthoredValue() else 0, far))
+    elif attribute.HasAuthoredValue():
+        camera.near_clip = near if near > 0 else camera.near_clip
+        camera.far_clip = far if far > camera.near_clip else math.inf
 
 
 def _camera_pose(transform: np.ndarray) -> np.ndarray:

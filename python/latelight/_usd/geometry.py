@@ -11,7 +11,7 @@ from .._core import MaterialHandle, MeshHandle, triangulate
 from .._model_builder import v_down
 from ..errors import UsageError
 from .context import Context
-from .materials import Materials
+from .materials import Materials, display_colors
 from .time_samples import UV_PRIMVARS
 
 
@@ -57,15 +57,17 @@ def mesh_parts(
     candidates = (_corner_values(context, prim, name, every, 2) for name in UV_PRIMVARS)
     uv = next((values for values in candidates if values is not None), None)
     colors = _corner_values(context, prim, "displayColor", every, 3)
+    opacities = _corner_values(context, prim, "displayOpacity", every, 1)
     kinds = ("positions",) if normals is None else ("positions", "normals")
     parts = []
     for material, triangles in _subsets(context, materials, prim, every.faces[::3]):
         chosen = np.repeat(triangles, 3)
         handle = materials.convert(material, prim)
         rgba = None
-        if handle is None and colors is not None:  # displayColor is linear, and the material of unbound meshes
-            rgba = np.concatenate([np.clip(colors[chosen], 0, 1), np.ones((chosen.sum(), 1), np.float32)], axis=1)
-            handle = materials.of_colors(prim)
+        if handle is None and (colors is not None or opacities is not None):  # the material of unbound meshes
+            own = (None if values is None else values[chosen] for values in (colors, opacities))
+            rgba = display_colors(chosen.sum(), *own)
+            handle = materials.of_colors(prim, rgba)
         added = context.scene.add_mesh(
             points[every.points][chosen],
             normals=None if normals is None else normals[chosen],

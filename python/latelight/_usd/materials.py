@@ -4,12 +4,26 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from .._core import Material, MaterialHandle
+from .._model_builder import DEFAULT_COLOR
 from . import images
 from .context import Context
 from .surfaces import Surface
 
 F0 = 0.04  # the reflectance at normal incidence of the index of refraction 1.5
+
+
+def display_colors(count: int, colors: np.ndarray | None, opacities: np.ndarray | None) -> np.ndarray:
+    """The values of displayColor, which is linear, and displayOpacity, as colors of vertices. The default is that of
+    meshes without a material."""
+    rgba = np.tile(np.array(DEFAULT_COLOR, np.float32), (count, 1))
+    if colors is not None:
+        rgba[:, :3] = np.clip(colors, 0, 1)
+    if opacities is not None:
+        rgba[:, 3:] = np.clip(opacities, 0, 1)
+    return rgba
 
 
 class Materials:
@@ -25,9 +39,9 @@ class Materials:
     def default(self, prim: Any) -> MaterialHandle:
         return self.context.builder.default_material(self._is_double_sided(prim))
 
-    def of_colors(self, prim: Any) -> MaterialHandle:
-        """For a mesh or shape whose vertices have colors."""
-        return self.context.builder.white(False, self._is_double_sided(prim))
+    def of_colors(self, prim: Any, rgba: np.ndarray) -> MaterialHandle:
+        """For a mesh or shape whose vertices have these colors."""
+        return self.context.builder.white(bool((rgba[:, 3] < 1).any()), self._is_double_sided(prim))
 
     def convert(self, material: Any, prim: Any) -> MaterialHandle | None:
         """The material of a mesh or shape, which states whether it has two sides; None if none is bound."""

@@ -12,7 +12,7 @@ from .._core import MaterialHandle, MeshHandle
 from .._shapes import Shape, box, capsule, cone, cylinder, ellipsoid, mesh_arrays, plane, tapered_capsule
 from ..errors import UsageError
 from .context import Context
-from .materials import Materials
+from .materials import Materials, display_colors
 
 # The shapes of UsdGeom by type, from their attributes, around Z. A plane faces its axis: if that is X or Y, its length
 # comes before its width.
@@ -48,10 +48,18 @@ def shape_part(context: Context, materials: Materials, prim: Any) -> tuple[MeshH
     turned = _TURNED[axis]
     arrays = mesh_arrays((points[:, turned], normals[:, turned], triangles))
     material = materials.convert(materials.bound(prim), prim)
-    color = context.pxr.UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
-    if material is None and color and color.HasValue() and color.GetInterpolation() == "constant":
-        rgb = np.clip(np.asarray(color.ComputeFlattened(context.time), np.float32)[:1], 0, 1)
-        arrays["colors"] = np.tile([*rgb[0], 1], (len(points), 1)).astype(np.float32)
-        material = materials.of_colors(prim)
+    color, opacity = (_constant(context, prim, name) for name in ("displayColor", "displayOpacity"))
+    if material is None and (color is not None or opacity is not None):
+        arrays["colors"] = display_colors(len(points), color, opacity)
+        material = materials.of_colors(prim, arrays["colors"])
     mesh = context.scene.add_mesh(**arrays, name=prim.GetName())
     return mesh, material if material is not None else materials.default(prim)
+
+
+def _constant(context: Context, prim: Any, name: str) -> np.ndarray | None:
+    """The value of a primvar that has one for the whole shape."""
+    primvar = context.pxr.UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
+    if not primvar or not primvar.HasValue() or primvar.GetInterpolation() != "constant":
+        return None
+    values = np.asarray(primvar.ComputeFlattened(context.time), np.float32)
+    return values[:1] if len(values) > 0 else None

@@ -41,9 +41,13 @@ class Surface:
             return otherwise
         if self.image_use(name).path:
             return otherwise
-        sources = self.context.pxr.UsdShade.Utils.GetValueProducingAttributes(given)
-        result = sources[0].Get(self.context.time) if sources else None
+        result = self._constant(given)
         return otherwise if result is None else result
+
+    def _constant(self, given: Any) -> Any:
+        """The value of an input, also one that a node graph or the material passes on; None if it has none."""
+        sources = self.context.pxr.UsdShade.Utils.GetValueProducingAttributes(given) if given else ()
+        return sources[0].Get(self.context.time) if sources else None
 
     def number(self, name: str, otherwise: float) -> float:
         return min(max(float(self.value(name, otherwise)), 0), 1)
@@ -112,11 +116,14 @@ class Surface:
             texture = shade.Shader(source.GetPrim())
             if texture and texture.GetShaderId() == "ND_normalmap" and texture.GetInput("in"):
                 return self._image_use(texture, "in")
-            file = texture.GetInput("file") if texture else None
-            path = files.resolved(file.Get(self.context.time)) if file else ""
+            file = self._constant(texture.GetInput("file")) if texture else None
+            path = files.resolved(file)
             if path and files.exists(path):
                 output = source.GetName().removeprefix("outputs:")
                 return ImageUse(path, output, self._scale_of(texture), self._wraps_of(texture))
+            if file and file.path:
+                reason = "consists of UDIM tiles, which are not supported" if "<UDIM>" in file.path else "does not exist"
+                self.context.warn(f"the image {file.path} of {texture.GetPath()} {reason}, and is left out")
         return ImageUse()
 
     def _scale_of(self, texture: Any) -> tuple[float, ...]:

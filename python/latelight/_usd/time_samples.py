@@ -12,10 +12,10 @@ UV_PRIMVARS = ("st", "UVMap", "st0")  # usual names of texture coordinates; the 
 # Attributes, by the type of their prim, that are read once, at the first time.
 _READ_ONCE = {
     "Gprim": ("radius", "height", "size", "axis", "width", "length", "radiusTop", "radiusBottom", "orientation")
-    + ("faceVertexCounts", "faceVertexIndices", "holeIndices", "primvars:displayColor")
+    + ("faceVertexCounts", "faceVertexIndices", "holeIndices", "primvars:displayColor", "primvars:displayOpacity")
     + tuple(f"primvars:{name}" for name in UV_PRIMVARS),
     "Camera": ("focalLength", "horizontalAperture", "verticalAperture", "horizontalApertureOffset", "projection")
-    + ("verticalApertureOffset",),
+    + ("verticalApertureOffset", "clippingRange"),
     "Subset": ("indices",),
 }
 
