@@ -359,8 +359,9 @@ class LATELIGHT_API Scene {
   // Paths of the nodes that are the joints of an instance's skin, in the skin's order; none if it has no skin. A joint
   // that the file's scene does not contain has an empty path.
   std::vector<std::string> joints(Handle<Instance> instance) const;
-  std::optional<Bounds> bounds() const;        // of all instances in the rest pose, in the scene file's frame; empty if
-                                               // the scene is
+  // The smallest box around the vertices of all visible instances in the rest pose, in the scene file's frame; empty if
+  // there are none.
+  std::optional<Bounds> bounds() const;
   const std::vector<Camera>& cameras() const;  // the scene's own, in the rest pose
   void addCamera(const Camera& camera);        // appended to cameras(), with its own exposure, shutter and readout
   const std::vector<Animation>& animations() const;

@@ -247,7 +247,9 @@ void defineWhole(Class& type) {
         return bounds ? nb::object(nb::make_tuple(tupleOf(bounds->min), tupleOf(bounds->max))) : nb::none();
       },
       nb::sig("def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]] | None"),
-      "Smallest and largest corner of all instances at rest, meters, in the scene file's frame; None: it is empty.");
+      "Smallest and largest corner of the smallest box around the vertices of all visible instances at rest, meters, "
+      "in "
+      "the scene file's frame; None: it is empty.");
 }
 
 void defineCameras(Class& type) {

@@ -12,6 +12,7 @@
 #include "scene/edit.h"
 #include "scene/file_frame.h"
 #include "scene/light_types.h"
+#include "scene/vertex_bounds.h"
 #include "scene/vertices.h"
 #include "shared/light.h"
 
@@ -411,7 +412,7 @@ uint32_t Scene::Impl::jointOf(const std::string& path) const {
 }
 
 std::optional<Bounds> Scene::bounds() const {
-  const scene::Bounds world = scene::worldBounds(impl_->scene);
+  const scene::Bounds world = scene::vertexBounds(impl_->scene);
   if (world.empty()) return std::nullopt;
   const dmat4 toFile = fileFromWorld(impl_->scene);  // rotates by right angles
   const dvec3 a(toFile * dvec4(world.min, 1)), b(toFile * dvec4(world.max, 1));

@@ -241,7 +241,7 @@ struct Bounds {
   dvec3 centre() const { return (min + max) * 0.5; }
   double radius() const { return empty() ? 0.0 : glm::length(max - min) * 0.5; }
 };
-Bounds worldBounds(const Scene&);
+Bounds worldBounds(const Scene&);  // around the transformed boxes of the meshes of all visible instances, at rest
 // Returns the lowest height of any vertex along Z of world space, at rest; 0 if nothing is shown.
 double lowestPoint(const Scene& scene);
 // Extends `bounds` by those of an instance with this transform.

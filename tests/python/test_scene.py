@@ -134,6 +134,22 @@ def test_meshes_are_read_back(wall, square):
     assert scene.mesh(mesh).bounds == ((-2, -2, 0), (2, 2, 0))
 
 
+def test_bounds_are_those_of_vertices():
+    """An octahedron's corners on the axes, turned by 45 degrees, reach 1 / sqrt(2); its box would reach sqrt(2)."""
+    corners = np.concatenate([np.eye(3), -np.eye(3)]).astype(np.float32)
+    scene = latelight.Scene()
+    assert scene.bounds is None
+    mesh = scene.add_mesh(corners, [[0, 1, 2], [3, 4, 5]])
+    turned = np.eye(4)
+    turned[:2, :2] = np.array([(1, -1), (1, 1)]) / np.sqrt(2)
+    turned[:3, 3] = 10, 20, 30
+    handle = scene.add_instance(mesh, scene.add_material(latelight.Material()), turned)
+    half = np.array([np.sqrt(0.5), np.sqrt(0.5), 1])
+    np.testing.assert_allclose(scene.bounds, (turned[:3, 3] - half, turned[:3, 3] + half), rtol=1e-12)
+    scene.set_transform(handle, np.eye(4))
+    assert scene.bounds == ((-1, -1, -1), (1, 1, 1))
+
+
 def test_a_file_is_read_back(model):
     scene = latelight.Scene(model("Fox.glb"))
     assert [animation.name for animation in scene.animations] == ["Survey", "Walk", "Run"]
