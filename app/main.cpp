@@ -1,6 +1,7 @@
 // `latelight`: the command line. base/error.h defines the exit codes.
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <latelight/latelight.h>
 #include <poll.h>
 #include <unistd.h>
 
@@ -131,7 +132,7 @@ void rejectEmptyValues(CLI::App& cli) {
 int parseAndRun(int argc, char** argv) {
   CLI::App cli{"Latelight: a deferred renderer that needs no display, no graphics pipeline and no particular GPU."};
   cli.name("latelight");
-  cli.set_version_flag("--version", std::string("latelight ") + LATELIGHT_VERSION);
+  cli.set_version_flag("--version", std::string("latelight ") + version());
   cli.require_subcommand(0, 1);  // a better message than "a subcommand is required" follows below
   cli.get_formatter()->column_width(34);
   cli.add_flag_callback(

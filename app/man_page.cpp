@@ -1,5 +1,6 @@
 // `latelight man`: prints the manual page in roff from the commands' own descriptions.
 #include <fmt/core.h>
+#include <latelight/latelight.h>
 
 #include <string>
 
@@ -82,7 +83,7 @@ constexpr Ending kEndings[] = {
 };
 
 void printPage(const CLI::App& cli) {
-  fmt::print(".TH LATELIGHT 1 \"\" \"latelight {}\" \"User Commands\"\n", LATELIGHT_VERSION);
+  fmt::print(".TH LATELIGHT 1 \"\" \"latelight {}\" \"User Commands\"\n", version());
   fmt::print(".SH NAME\nlatelight \\- a deferred renderer that needs no display\n");
   fmt::print(".SH SYNOPSIS\n\\fBlatelight\\fR \\fIcommand\\fR [\\fIoptions\\fR]\n");
   fmt::print(

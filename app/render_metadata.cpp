@@ -1,6 +1,7 @@
 #include "app/render_metadata.h"
 
 #include <fmt/core.h>
+#include <latelight/latelight.h>
 
 #include "render/submit/describe.h"
 
@@ -11,7 +12,7 @@ output::Metadata describeRender(const scene::Scene& scene, const scene::Camera& 
   output::Metadata m = render::describe(scene, camera, environment, o.settings, o.given);
   m.frame = o.frame;
   m.device = {device.info().name, device.info().driver, device.info().uuid};
-  m.versions = {{"latelight", LATELIGHT_VERSION}, {"vulkan", device.info().apiVersion}};
+  m.versions = {{"latelight", version()}, {"vulkan", device.info().apiVersion}};
   if (o.idDepth) m.settings["id-depth"] = fmt::format("{}", *o.idDepth);
   if (!o.idNodes.empty()) m.settings["id-nodes"] = o.idNodes;
   if (!o.unit.empty()) m.settings["unit"] = o.unit;

@@ -1,5 +1,6 @@
 // `latelight study NAME`: measures one subject and writes tables and images.
 #include <fmt/core.h>
+#include <latelight/latelight.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -62,7 +63,7 @@ std::vector<uint32_t> parseBits(const std::string& text) {
 }
 
 nlohmann::ordered_json toJson(const Arguments& a, const study::Result& result) {
-  nlohmann::ordered_json json{{"study", a.name}, {"version", LATELIGHT_VERSION}, {"device", result.device}};
+  nlohmann::ordered_json json{{"study", a.name}, {"version", version()}, {"device", result.device}};
   if (study::findStudy(a.name).samples)
     json["samples"] = a.options.samples;
   else

@@ -14,7 +14,6 @@ latelight_unity(latelight_render_command ${render_sources})
 target_precompile_headers(latelight_render_command REUSE_FROM latelight_base)
 latelight_uses(latelight_render_command app_render PATHS app USES data)
 target_link_libraries(latelight_render_command PUBLIC CLI11::CLI11)
-target_compile_definitions(latelight_render_command PUBLIC LATELIGHT_VERSION="${PROJECT_VERSION}")
 
 file(GLOB app_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/app/*.cpp)
 list(REMOVE_ITEM app_sources ${render_sources})
