@@ -95,6 +95,32 @@ TEST_F(EditCasesTest, ASceneThatBeginsEmpty) {
   EXPECT_TRUE(std::ranges::any_of(imageOf(frame, output::Aov::Color).values, [](float v) { return v > 0 && v < 1; }));
 }
 
+// Without point and spot lights, light lists are empty, and are not built.
+TEST_F(EditCasesTest, ALocalLightNextToASun) {
+  const scene::Light lamp = scene_.lights[1];
+  ASSERT_FALSE(shared::lightIsDirectional(lamp.type));
+  std::erase_if(scene_.lights, [](const scene::Light& light) { return !shared::lightIsDirectional(light.type); });
+  ASSERT_FALSE(scene_.lights.empty());
+  Renderer renderer(device(), scene_, nullptr);
+  const scene::Camera camera = workshopCamera();
+  const auto colorsBy = [&](const char* technique) {
+    Settings settings = settings_;
+    settings.lighting = &findTechnique(technique);
+    expectAsFresh(renderer, device(), scene_, settings);
+    return imageOf(renderer.render({&camera, 1}, settings).front(), output::Aov::Color).values;
+  };
+  const auto expectAgreement = [&] {
+    const std::vector<float> expected = colorsBy("fullscreen");
+    for (const char* technique : {"clustered", "tiled"}) EXPECT_EQ(colorsBy(technique), expected) << technique;
+    return expected;
+  };
+  const std::vector<float> sunny = expectAgreement();
+  const uint32_t added = addLight(scene_, lamp);
+  EXPECT_NE(expectAgreement(), sunny);
+  removeLight(scene_, added);
+  EXPECT_EQ(expectAgreement(), sunny);
+}
+
 TEST_F(EditCasesTest, ALightInTheDark) {
   const scene::Light lamp = scene_.lights[2];
   scene_.lights.clear();

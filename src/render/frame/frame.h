@@ -54,6 +54,7 @@ struct FrameConfig {
   uint32_t codedTextureSlots = ~0u;  // bit i: such a texture may be coded in sRGB
   uint32_t layers = 0;               // kLayer*: coats that a material may have (GpuMaterials::layers)
   bool lights = true;                // lights may exist; false: shaders of the deferred techniques have no light loops
+  bool localLights = true;           // point or spot lights exist; false: light lists are empty
   bool fewLights = false;            // on a CPU device, a loop over all lights is faster than light culling
   uint32_t areaLights = 0;           // kAreaLights*
   bool environment = true;           // the renderer has an environment

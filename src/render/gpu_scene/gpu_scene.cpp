@@ -69,15 +69,18 @@ std::vector<scene::Light> GpuScene::lightsIn(const Poses& poses) const {
 }
 
 void GpuScene::countLights() {
-  lightCount_ = unboundedLights_ = areaLights_ = 0;
+  lightCount_ = localLights_ = unboundedLights_ = areaLights_ = 0;
   const auto count = [&](const LightSet& set) {
-    lightCount_ = std::max(lightCount_, static_cast<uint32_t>(set.lights.size()));
+    const auto all = static_cast<uint32_t>(set.lights.size());
+    lightCount_ = std::max(lightCount_, all);
+    localLights_ = std::max(localLights_, all - set.directional);
     unboundedLights_ = std::max(unboundedLights_, set.unbounded);
     areaLights_ = std::max(areaLights_, static_cast<uint32_t>(set.area.size()));
   };
   if (worlds_.placesLights()) {  // upper bounds
     const GpuWorlds::PlacedLights& placed = worlds_.placedLights();
     lightCount_ = placed.directional + placed.local;
+    localLights_ = placed.local;
     unboundedLights_ = placed.unbounded;
     areaLights_ = placed.area;
   } else if (worlds_.hasLights()) {

@@ -69,6 +69,7 @@ class GpuScene {
     return worlds_.hasLights() ? worlds_.lights()[world] : lights_.set();
   }
   uint32_t lightCount() const { return lightCount_; }
+  uint32_t localLights() const { return localLights_; }  // point and spot lights
   uint32_t unboundedLights() const { return unboundedLights_; }
   uint32_t areaLights() const { return areaLights_; }
   // Returns true if a material of the scene or of a world is translucent.
@@ -113,7 +114,7 @@ class GpuScene {
   Seen seen_;
   bool posed_ = false;  // false: the scene is at rest
   std::optional<scene::Light> sun_;
-  uint32_t lightCount_ = 0, unboundedLights_ = 0, areaLights_ = 0;
+  uint32_t lightCount_ = 0, localLights_ = 0, unboundedLights_ = 0, areaLights_ = 0;
   glm::dvec3 lightsOrigin_{0};
   mutable std::optional<scene::Bounds> bounds_;  // cached until the next edit or pose
 };

@@ -65,7 +65,10 @@ shared::LightCells pushedLists(const LightLists& lists, graph::Context& context)
 
 LightLists addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightListsDesc& desc) {
   const LightLists lists = f.setup.lights ? createLists(f, desc) : LightLists{};
-  if (f.setup.lights) addListing(f, gbuffer, lists);
+  if (f.setup.lights && f.setup.localLights)
+    addListing(f, gbuffer, lists);
+  else if (f.setup.lights)  // a cell of zeros has no lights
+    addClear(f, graph::Stage::Lighting, "light lists", {lists.cells}, {lists.entries});
   ComputePass lighting = lightingPass(f, gbuffer, "lighting " + desc.name, "cells.comp");
   const std::vector<vk::Constant> constants = listConstants(lists);
   lighting.constants.insert(lighting.constants.end(), constants.begin(), constants.end());

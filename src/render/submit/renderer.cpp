@@ -603,6 +603,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .mixesBlended = rasterInstances_.mixesBlended(),
       .anyBlended = rasterInstances_.anyBlended(),
       .lights = gpuScene_.lightCount(),
+      .localLights = gpuScene_.localLights(),
       .unboundedLights = gpuScene_.unboundedLights(),
       .areaLights = gpuScene_.areaLights(),
       .anyVast = gpuScene_.anyVast(),

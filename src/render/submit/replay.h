@@ -27,7 +27,7 @@ struct ReplayKey {
   enum class Worlds : uint8_t { None, ConvertedByHost, PlacedByShaders } worlds;
   bool metered;  // views have exposures of their own
   bool mixesBlended, anyBlended;
-  uint32_t lights, unboundedLights, areaLights;
+  uint32_t lights, localLights, unboundedLights, areaLights;
   bool anyVast;
   VkDescriptorSet textures;
   const GpuEnvironment* environment;

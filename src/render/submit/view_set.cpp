@@ -216,6 +216,7 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
   setup.environment = state_.hasEnvironment;
   // On GPUs, light loops stay enabled, so that the first light that an edit adds creates no pipelines.
   setup.lights = !state_.device.isCpu() || state_.scene.lightCount() > 0;
+  setup.localLights = state_.scene.localLights() > 0;
   if (state_.scene.areaLights() > 0)
     setup.areaLights = shared::kAreaLightsAll;
   else
