@@ -37,6 +37,18 @@ inline std::string_view utf8Beginning(std::string_view text, size_t size) {
   return text.substr(0, size);
 }
 
+// Returns the text, or, if it has more than `size` bytes, a beginning of it that ends with "...". It ends before a word
+// unless that word is long.
+inline std::string abbreviated(std::string_view text, size_t size) {
+  constexpr size_t kLongWord = 30;
+  const std::string_view ellipsis = "...";
+  if (text.size() <= size || size < ellipsis.size()) return std::string(utf8Beginning(text, size));
+  std::string_view beginning = utf8Beginning(text, size - ellipsis.size());
+  const size_t space = text.substr(0, beginning.size() + 1).rfind(' ');
+  if (space != text.npos && space + kLongWord > beginning.size()) beginning = text.substr(0, space);
+  return std::string(beginning) + std::string(ellipsis);
+}
+
 // Replaces every occurrence of `from` by `to`.
 inline void replaceAll(std::string& text, std::string_view from, std::string_view to) {
   for (size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))

@@ -30,6 +30,15 @@ std::string nameOf(std::string_view host) {
   return isPort && (!bracketed || isAddress(name)) ? name : "";
 }
 
+// Returns the path of a request's target. Returns "" for the absolute form (RFC 9112, 3.2.2), "http://HOST/PATH", if
+// its authority is not that of the field Host, as clients must send it.
+std::string_view pathOf(std::string_view target, std::string_view host) {
+  constexpr std::string_view kScheme = "http://";
+  if (!target.starts_with(kScheme)) return target;
+  target.remove_prefix(kScheme.size());
+  return target.starts_with(host) ? target.substr(host.size()) : "";
+}
+
 }  // namespace
 
 AccessCheck::AccessCheck(std::string token, std::vector<std::string> names)
@@ -45,8 +54,9 @@ bool AccessCheck::knows(std::string_view host) const {
 AccessCheck::Answer AccessCheck::open(const RequestHeader& header) const {
   if (!knows(header.host)) return {"", "a host name that is not this machine's"};
   if (header.origin && *header.origin != "http://" + std::string(header.host)) return {"", "a page of another origin"};
-  if (!header.target.starts_with('/')) return {"", "a malformed address"};
-  const std::string_view path = header.target.substr(1, header.target.find('?') - 1);
+  std::string_view path = pathOf(header.target, header.host);
+  if (!path.starts_with('/')) return {"", "a malformed address"};
+  path = path.substr(1, path.find('?') - 1);
   const size_t slash = path.find('/');
   if (slash == std::string_view::npos || !sameToken(path.substr(0, slash), token_)) return {"", "a wrong token"};
   return {std::string(path.substr(slash + 1)), ""};

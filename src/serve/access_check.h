@@ -11,7 +11,7 @@ namespace latelight::serve {
 
 // The parts of a request that are checked.
 struct RequestHeader {
-  std::string_view target;                 // "/TOKEN/style.css"
+  std::string_view target;                 // "/TOKEN/style.css", or "http://localhost:8765/TOKEN/style.css"
   std::string_view host;                   // "localhost:8765"
   std::optional<std::string_view> origin;  // set for requests from a page: "http://localhost:8765"
 };

@@ -48,7 +48,7 @@ class Socket : public std::enable_shared_from_this<Socket> {
   void send(Message message);
   void write();
   void close(websocket::close_code code, const std::string& reason);
-  void refuse(const std::string& why);
+  void refuse(websocket::close_code code, const std::string& why);
   void leave();
 
   websocket::stream<beast::tcp_stream> stream_;
@@ -92,10 +92,10 @@ void Socket::begin() {
   };
   calls.fail = [weak](const Failure& failure) {
     const auto code = failure.mayPass ? websocket::close_code::try_again_later : websocket::close_code::internal_error;
-    if (const auto self = weak.lock()) self->close(code, failure.sentence);
+    if (const auto self = weak.lock()) self->refuse(code, failure.sentence);
   };
   Hub::Admission admission = hub_.admit(std::move(calls));
-  if (!admission.viewer) return close(websocket::close_code::try_again_later, admission.refusal);
+  if (!admission.viewer) return refuse(websocket::close_code::try_again_later, admission.refusal);
   viewer_ = std::move(admission.viewer);
   record(fmt::format("a viewer at {} has come", peer_));
   read();
@@ -114,7 +114,7 @@ void Socket::take(beast::error_code error) {
     buffer_.consume(buffer_.size());
     stream_.got_text() ? takeText(message) : takePiece(message);
   } catch (const BadMessage& bad) {
-    return refuse(bad.what());
+    return refuse(websocket::close_code::policy_error, bad.what());
   }
   read();
 }
@@ -138,9 +138,9 @@ void Socket::takePiece(const std::string& bytes) {
   upload_.reset();
 }
 
-void Socket::refuse(const std::string& why) {
+void Socket::refuse(websocket::close_code code, const std::string& why) {
   hub_.logRefusal(peer_, why);
-  close(websocket::close_code::policy_error, why);
+  close(code, why);
 }
 
 // Releases everything except the message that is being written.
@@ -173,9 +173,8 @@ void Socket::close(websocket::close_code code, const std::string& reason) {
   leave();
   websocket::close_reason said(code);
   // Browsers reject a close frame whose reason is not UTF-8 (RFC 6455, 5.5.1). Names of files need not be.
-  const std::string text = printable(reason);
-  const std::string_view beginning = utf8Beginning(text, said.reason.max_size());
-  said.reason.assign(beginning.data(), beginning.size());
+  const std::string text = abbreviated(printable(reason), said.reason.max_size());
+  said.reason.assign(text.data(), text.size());
   stream_.async_close(said, [self = shared_from_this()](beast::error_code) {});
 }
 

@@ -14,5 +14,16 @@ TEST(Text, IsCutBetweenCharacters) {
     EXPECT_EQ(utf8Beginning(text, size), beginnings[size]) << size;
 }
 
+TEST(Text, IsAbbreviatedBetweenWords) {
+  EXPECT_EQ(abbreviated("a built-in scene", 16), "a built-in scene");
+  EXPECT_EQ(abbreviated("a built-in scene", 15), "a built-in...");
+  EXPECT_EQ(abbreviated("a built-in scene", 13), "a built-in...");
+  EXPECT_EQ(abbreviated("a built-in scene", 12), "a...");
+  const std::string word(100, 'x');
+  EXPECT_EQ(abbreviated("a " + word, 50), "a " + std::string(45, 'x') + "...");
+  EXPECT_EQ(abbreviated("漢漢漢", 8), "漢...");
+  EXPECT_EQ(abbreviated("ab cd", 2), "ab");
+}
+
 }  // namespace
 }  // namespace latelight

@@ -43,8 +43,23 @@ TEST(GateTest, OpensForTheTokenAlone) {
   EXPECT_EQ(AccessCheck(kToken, {}).open({"/" + kToken + "/", "localhost", {}}).path, "");
   for (const std::string& target :
        std::vector<std::string>{"", "/", "//", "*", "/main.js", "/?token=" + kToken, "/" + kToken.substr(1) + "/",
-                                "/x/" + kToken + "/", "/" + kToken + "x/", "http://localhost/" + kToken + "/"})
+                                "/x/" + kToken + "/", "/" + kToken + "x/"})
     EXPECT_NE(refusal(target, "localhost"), "") << target;
+}
+
+// RFC 9112, 3.2.2. Clients send the same authority as in Host.
+TEST(GateTest, AcceptsTheAbsoluteFormOfTheSameHost) {
+  EXPECT_EQ(AccessCheck(kToken, {}).open({"http://localhost:8765/" + kToken + "/main.js?x", "localhost:8765", {}}).path,
+            "main.js");
+  EXPECT_EQ(refusal("http://[::1]:8765/" + kToken + "/", "[::1]:8765", "http://[::1]:8765"), "");
+  EXPECT_NE(refusal("http://evil.example/" + kToken + "/", "evil.example"), "");
+  for (const std::string& start :
+       {"http://", "http://localhost", "http://localhost:87655", "http://localhost:8765.evil", "http://evil.example",
+        "http://x@localhost:8765", "http://localhost:8765@evil.example", "https://localhost:8765", "//localhost:8765",
+        "http:/localhost:8765", "http://localhost:8765/x", "http://127.0.0.1:8765"})
+    EXPECT_NE(refusal(start + "/" + kToken + "/", "localhost:8765"), "") << start;
+  EXPECT_NE(refusal("http://localhost:8765" + kToken + "/", "localhost:8765"), "");
+  EXPECT_NE(refusal("http://localhost:8765", "localhost:8765"), "");
 }
 
 TEST(GateTest, KnowsItsOwnNames) {

@@ -145,10 +145,28 @@ TEST_F(ServerTest, RefusesOtherRequests) {
   EXPECT_THAT(page("", "Origin: http://evil.example.org\r\n"), StartsWith("HTTP/1.1 403"));
   EXPECT_THAT(ask(port, "POST /" + token + "/ HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"),
               StartsWith("HTTP/1.1 405"));
-  for (const std::string& bytes : {std::string("\r\n\r\n"), std::string("\x16\x03\x01\x02\0\x01", 6),
-                                   std::string(100'000, 'x'), "GET /" + std::string(20'000, 'a') + " HTTP/1.1\r\n\r\n"})
-    EXPECT_THAT(ask(port, bytes), testing::Not(HasSubstr("200 OK")));
+  for (const std::string& bytes :
+       {std::string("\r\n\r\n"), std::string("\x16\x03\x01\x02\0\x01", 6), std::string("GET / HTTP/9.9\r\n\r\n"),
+        std::string("GET / HTTP/1.1\r\nHost localhost\r\n\r\n")})
+    EXPECT_THAT(ask(port, bytes), StartsWith("HTTP/1.1 400 Bad Request\r\n"));
+  for (const std::string& bytes : {std::string(100'000, 'x'), "GET /" + std::string(20'000, 'a') + " HTTP/1.1\r\n\r\n",
+                                   "GET / HTTP/1.1\r\nX: " + std::string(200'000, 'a') + "\r\n\r\n"})
+    EXPECT_THAT(ask(port, bytes), StartsWith("HTTP/1.1 431 ")) << bytes.substr(0, 30);
+  for (const char* body : {"Content-Length: 4\r\n\r\nbody", "Content-Length: 1000000000\r\n\r\n",
+                           "Transfer-Encoding: chunked\r\n\r\n4\r\nbody\r\n0\r\n\r\n"})
+    for (const std::string& path : {"/" + token + "/", std::string("/")})
+      EXPECT_THAT(ask(port, "POST " + path + " HTTP/1.1\r\nHost: localhost\r\n" + body), StartsWith("HTTP/1.1 413 "))
+          << body;
   EXPECT_THAT(page(""), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(ServerTest, AnswersTheAbsoluteForm) {
+  const std::string host = "localhost:" + std::to_string(server->port()), path = "/" + server->token() + "/main.js";
+  const auto asked = [&](const std::string& target) {
+    return ask(server->port(), "GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n");
+  };
+  EXPECT_THAT(asked("http://" + host + path), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(asked("http://evil.example" + path), StartsWith("HTTP/1.1 403"));
 }
 
 TEST_F(ServerTest, RefusesSocketsWithoutTheToken) {
@@ -160,7 +178,9 @@ TEST_F(ServerTest, RefusesSocketsWithoutTheToken) {
 // A request that never ends occupies its connection only until the server's timeout.
 TEST_F(ServerTest, WaitsForNoRequestForLong) {
   const auto begin = std::chrono::steady_clock::now();
-  EXPECT_EQ(ask(server->port(), "GET / HTTP/1.1\r\nHost: localhost\r\nX-Slow: "), "");
+  EXPECT_THAT(ask(server->port(), "GET / HTTP/1.1\r\nHost: localhost\r\nX-Slow: "),
+              StartsWith("HTTP/1.1 408 Request Timeout\r\n"));
+  EXPECT_EQ(ask(server->port(), ""), "");
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 20s);
 }
 
@@ -481,9 +501,12 @@ TEST(ServerOfOneSessionTest, AReloadedPageGetsInAtOnce) {
   }
   Client page(running.server.port(), running.server.token());
   page.show(page.hear());
+  testing::internal::CaptureStderr();
   Client second(running.server.port(), running.server.token());
   EXPECT_ANY_THROW(second.hear());
   EXPECT_THAT(second.closeReason(), HasSubstr("all 1 sessions"));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("refused 127.0.0.1: all 1 sessions are in use; close another page\n"));
 }
 
 // A page that opens while the scene file is being written is asked to try again (1013, "try again later"). Its reason
@@ -503,10 +526,13 @@ TEST(ServerOfAChangingFileTest, APageThatOpensMeanwhileMayTryAgain) {
     first.show(first.hear());
     std::filesystem::rename(path, scene.string() + ".part");
     std::ofstream(path) << "glTF";
+    testing::internal::CaptureStderr();
     Client second(running.server.port(), running.server.token());
     EXPECT_ANY_THROW(second.hear());
     EXPECT_EQ(second.closeCode(), 1013);
     EXPECT_THAT(second.closeReason(), HasSubstr("漢"));
+    EXPECT_THAT(second.closeReason(), testing::EndsWith("..."));
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("refused 127.0.0.1: " + path.string()));
     EXPECT_THAT(Json(second.closeReason()).dump(), HasSubstr("漢")) << "dump() rejects other texts than UTF-8";
     std::filesystem::rename(scene.string() + ".part", path);
     Client third(running.server.port(), running.server.token());
