@@ -138,6 +138,22 @@ TEST(Failures, PlacesWhereNothingCanBeMade) {
   EXPECT_EQ(folder.read("other/photo.png"), "mine");
 }
 
+// A corrected job needs no --resume.
+TEST(Failures, AJobWithoutCamerasLeavesNoFolder) {
+  Folder folder;
+  folder.write("a.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{}]})");
+  const Outcome outcome = latelight(batch(folder, {"--scenes", "a.gltf", "-o", "set"}));
+  EXPECT_EQ(outcome.code, 2) << outcome.text();
+  EXPECT_THAT(outcome.err, HasSubstr(R"(a.gltf has no cameras of its own: add some, for example with --cameras ')"));
+  EXPECT_FALSE(fs::exists(folder.path() / "set"));
+  fs::create_directory(folder.path() / "set");
+  EXPECT_EQ(latelight(batch(folder, {"--scenes", "a.gltf", "-o", "set"})).code, 2);
+  EXPECT_FALSE(fs::exists(folder.path() / "set/.latelight"));
+  EXPECT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", "set"})).code, 0);
+  EXPECT_EQ(latelight(batch(folder, {"--scenes", "a.gltf", "-o", "set", "--resume"})).code, 2);
+  EXPECT_TRUE(fs::exists(folder.path() / "set/manifest.json"));
+}
+
 // Frames in flight are written, no file is incomplete, and --resume renders the rest.
 TEST(Signals, EndABatchBetweenFrames) {
   for (const int signal : {SIGTERM, SIGINT}) {

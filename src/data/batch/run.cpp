@@ -69,12 +69,26 @@ void render(const Job& job, Plan& plan, WorkList& work, ShardLog& log, const Bat
 
 }  // namespace
 
+namespace {
+
+// A job whose cameras cannot be created leaves no folder, so that a corrected one needs no --resume.
+Plan planOf(const Job& job, const SetFolder& set, const Shard& shard, bool isNew) {
+  try {
+    return Plan(job, set.plan());
+  } catch (const Error&) {
+    if (isNew) removeNewSet(set, shard);
+    throw;
+  }
+}
+
+}  // namespace
+
 BatchResult runBatch(const Job& job, const BatchOptions& options) {
   const SetFolder set(job.folder);
-  openSet(set, job, options.shard, options.resume);
+  const bool isNew = openSet(set, job, options.shard, options.resume);
   const SetLock lock(set.shard(options.shard));
   stopOnSignals();
-  Plan plan(job, set.plan());
+  Plan plan = planOf(job, set, options.shard, isNew);
   plan.save(set.plan());
   const auto [first, end] = options.shard.range(plan.frames());
   const Manifest found = findFinished(set, plan, options.shard);

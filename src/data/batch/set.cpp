@@ -195,7 +195,7 @@ SetLock::~SetLock() {
   close(fd_);
 }
 
-void openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume) {
+bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume) {
   const std::string name = set.path().string();
   if (name.find_first_of("{}") != std::string::npos) badUsage("the folder \"{}\" has a brace in its name", name);
   std::error_code error;
@@ -205,10 +205,21 @@ void openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resu
   if (hasFiles && !isSet) badUsage("'{}' is not an empty folder; choose another for the data set", name);
   if (isSet && !resume && !isOfOthers(set, job, shard))
     badUsage("'{}' already contains a data set: add --resume to complete it, or choose another folder", name);
-  fs::create_directories(set.state(), error);
+  const bool isNew = fs::create_directories(set.state(), error);
   if (error) badUsage("can't create the folder '{}': {}", set.state().string(), error.message());
   const std::string text = dumped(job.document) + "\n";
   writeFile(set.job(), std::as_bytes(std::span(text)));
+  return isNew;
+}
+
+// Other shards may have opened the set since. The folder itself is removed only if it is empty.
+void removeNewSet(const SetFolder& set, const Shard& shard) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(set.state(), ignored))
+    if (entry.path() != set.job() && entry.path() != set.lock(shard)) return;
+  fs::remove(set.job(), ignored);
+  fs::remove(set.lock(shard), ignored);
+  if (fs::remove(set.state(), ignored)) fs::remove(set.path(), ignored);
 }
 
 Manifest findFinished(const SetFolder& set, const Plan& plan, const Shard& shard) {

@@ -29,6 +29,7 @@ class SetFolder {
   std::filesystem::path job() const { return state() / "job.json"; }
   std::filesystem::path plan() const { return state() / "plan.json"; }
   std::filesystem::path shard(const Shard& shard) const { return state() / ("shard-" + shard.name() + ".jsonl"); }
+  std::filesystem::path lock(const Shard& shard) const { return this->shard(shard).replace_extension(".lock"); }
   std::vector<std::filesystem::path> shards() const;  // existing shard logs, sorted by name
 
   // Appends a line to the log, with the time and the machine. Errors are ignored.
@@ -53,8 +54,12 @@ class SetLock {
 
 // Creates the folder and writes the job's document. Throws Error(Usage) if the folder contains files of anything but a
 // data set. Without `resume`, also throws if it contains a data set, unless only other shards of this job have written
-// to it.
-void openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume);
+// to it. Returns true if it created the set.
+bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume);
+
+// Removes a set that openSet() created and that holds nothing but the job and the lock of this shard, which the caller
+// holds.
+void removeNewSet(const SetFolder& set, const Shard& shard);
 
 // Collects the finished frames of a shard from all manifests in the folder: frames whose settings hash matches the plan
 // and whose files exist. The files of the shard's other frames are stale.

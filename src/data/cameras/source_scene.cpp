@@ -11,7 +11,9 @@ namespace latelight::data {
 
 std::vector<Shot> shotsOfScene(Spec& spec, const CameraContext& context) {
   const std::vector<scene::Camera>& cameras = context.ownCameras;
-  if (cameras.empty()) badUsage("{}: {} has no cameras of its own", spec.path(), context.scene.source);
+  if (cameras.empty())
+    badUsage("{}: {} has no cameras of its own: add some, for example with --cameras '{}'", spec.path(),
+             context.scene.source, R"({"type": "orbit", "count": 8})");
   const std::vector<std::string> chosen = spec.has("names") ? spec.texts("names") : std::vector<std::string>();
   uint64_t names = 0;
   for (const scene::Camera& camera : cameras) names += chosen.empty() ? camera.name.size() : 0;
