@@ -152,6 +152,14 @@ void bindLidar(nb::module_& module) {
       "number_of", [](nb::handle value, const char* name) { return numberOf(value, name); }, argument("value"),
       nb::arg("name"), nb::sig("def number_of(value: typing.Any, name: str) -> float"),
       "A number as a float; other values raise ArgumentTypeError, whose message contains the name.");
+  module.def(
+      "whole_number_of",
+      [](nb::handle value, const char* name, int64_t least, int64_t most) {
+        return integerOf(value, name, least, most);
+      },
+      argument("value"), nb::arg("name"), nb::arg("least"), nb::arg("most"),
+      nb::sig("def whole_number_of(value: typing.Any, name: str, least: int, most: int) -> int"),
+      "A whole number in this range; other values raise UsageError, whose message contains the name.");
   module.def("write_points", &writeFields, argument("path"), nb::arg("fields"),
              nb::sig("def write_points(path: str | os.PathLike[str], fields: dict[str, typing.Any]) -> None"),
              "Writes the fields of a latelight.lidar.Scan.");

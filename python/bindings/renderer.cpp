@@ -690,10 +690,11 @@ nb::dict scanLidar(const std::shared_ptr<SharedRenderer>& renderer, nb::handle p
   const std::vector<double> values = doublesOf(poses, "poses", {-1, 4, 4});
   std::vector<Transform> matrices(values.size() / 16);
   if (!matrices.empty()) std::memcpy(matrices.data(), values.data(), sizeof(double) * values.size());
-  LidarOptions lidar{.samples = static_cast<uint32_t>(integerOf(samples, "samples", 0, INT32_MAX)),
+  constexpr int64_t kMaxSamples = 1024, kMaxSlices = 100'000;  // those of LidarOptions
+  LidarOptions lidar{.samples = static_cast<uint32_t>(integerOf(samples, "samples", 1, kMaxSamples)),
                      .returns = textOf(returns, "returns"),
                      .seed = std::nullopt,
-                     .slices = static_cast<uint32_t>(integerOf(slices, "slices", 0, INT32_MAX))};
+                     .slices = static_cast<uint32_t>(integerOf(slices, "slices", 1, kMaxSlices))};
   if (!seed.is_none()) lidar.seed = static_cast<uint64_t>(integerOf(seed, "seed", 0, INT64_MAX));
   const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), keywords);
   try {

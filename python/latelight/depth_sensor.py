@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
 from ._core import Camera, Renderer
 from ._options import reject_options
 from .errors import UsageError
@@ -25,6 +26,20 @@ from .errors import UsageError
 __all__ = ["DepthFrame", "DepthSensor", "capture", "kinect", "measure", "realsense_d435"]
 
 Array = npt.NDArray[Any]
+
+
+def _numbers(values: Any, name: str, count: int) -> list[float]:
+    try:
+        numbers = list(values)
+    except TypeError:
+        numbers = []
+    if isinstance(values, str) or len(numbers) != count:
+        raise UsageError(f"{name} must be {count} numbers, not {values!r}")
+    return [_core.number_of(number, name) for number in numbers]
+
+
+def _checked_seed(seed: int | None) -> int | None:
+    return None if seed is None else _core.whole_number_of(seed, "seed", 0, 2**63 - 1)
 
 
 @dataclass(frozen=True)
@@ -50,11 +65,17 @@ class DepthSensor:
     max_incidence: float = 90.0  # degrees; steeper surfaces have no value
 
     def __post_init__(self) -> None:
-        values = (*self.axial, *self.lateral, self.disparity_noise, self.disparity_step)
-        if not all(math.isfinite(value) and value >= 0 for value in values):
+        noise = [*_numbers(self.axial, "axial", 4), *_numbers(self.lateral, "lateral", 2)]
+        noise += [_core.number_of(getattr(self, name), name) for name in ("disparity_noise", "disparity_step")]
+        if not all(math.isfinite(value) and value >= 0 for value in noise):
             raise UsageError("the noise and the disparity step of a depth sensor must be at least 0")
-        if not 0 <= self.min_range < self.max_range or self.baseline == 0 or not math.isfinite(self.baseline):
+        nearest, farthest = (_core.number_of(getattr(self, name), name) for name in ("min_range", "max_range"))
+        baseline = _core.number_of(self.baseline, "baseline")
+        if not 0 <= nearest < farthest or baseline == 0 or not math.isfinite(baseline):
             raise UsageError("a depth sensor needs a baseline other than 0 and a range from min_range to max_range")
+        incidence = _core.number_of(self.max_incidence, "max_incidence")
+        if not 0 <= incidence <= 90:
+            raise UsageError(f"max_incidence must be from 0 to 90 degrees, not {incidence:g}")
 
 
 def kinect() -> DepthSensor:
@@ -86,6 +107,13 @@ class DepthFrame:
     shadow: Array  # (H, W) bool: another surface hides the point from the projector or second camera
 
 
+def _array(values: npt.ArrayLike, name: str) -> Array:
+    try:
+        return np.asarray(values, np.float64)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"{name} must be an array of numbers (H, W)") from error
+
+
 def measure(sensor: DepthSensor, depth: npt.ArrayLike, incidence: npt.ArrayLike, focal: float, seed: int | None = 0,
             shadow: npt.ArrayLike | None = None) -> Array:  # fmt: skip
     """Returns what the sensor measures of exact depths (H, W), in meters: float32, 0 where it has no value.
@@ -93,11 +121,13 @@ def measure(sensor: DepthSensor, depth: npt.ArrayLike, incidence: npt.ArrayLike,
     incidence: (H, W) radians from 0 to pi/2, or NaN, where the sensor has no value; focal: focal length in pixels;
     seed: of the noise, or None for quantization only; shadow: (H, W) True where the point is hidden from the projector
     """
-    z, angle = np.asarray(depth, np.float64), np.asarray(incidence, np.float64)
+    seed = _checked_seed(seed)
+    z, angle = _array(depth, "depth"), _array(incidence, "incidence")
     if z.ndim != 2 or angle.shape != z.shape:
         raise UsageError(f"depth and incidence must have the same shape (H, W), not {z.shape} and {angle.shape}")
-    if not focal > 0:
-        raise UsageError(f"focal must be above 0, not {focal}")
+    focal = _core.number_of(focal, "focal")
+    if not (focal > 0 and math.isfinite(focal)):
+        raise UsageError(f"focal must be a number of pixels above 0, not {focal}")
     hidden = np.zeros(z.shape, bool) if shadow is None else np.asarray(shadow, bool)
     if hidden.shape != z.shape:
         raise UsageError(f"shadow must have the shape of depth, {z.shape}, not {hidden.shape}")
@@ -167,6 +197,7 @@ def capture(renderer: Renderer, camera: Camera, size: tuple[int, int], sensor: D
     """
     if camera.orthographic or (camera.lens is not None and camera.lens.model != "pinhole"):
         raise UsageError("a depth sensor needs a perspective camera without a lens that bends rays")
+    seed = _checked_seed(seed)  # before anything is rendered
     _check_options(options)
     if options.get("camera_fit") == "vertical":  # Camera.k() is the matrix of images that show the whole frame
         camera = copy.copy(camera)

@@ -116,7 +116,9 @@ std::vector<std::byte> encodePoints(std::string_view format, std::span<const Poi
   if (format == "pcd") return encodePcd(fields);
   if (format == "bin") return encodeKitti(fields);
   if (format == "npz") return encodeNpz(fields);
-  badUsage("points are written as .{}, not \".{}\"", fmt::join(kPointFormats, ", ."), format);
+  const std::string endings = fmt::format(".{}", fmt::join(kPointFormats, ", ."));
+  if (format.empty()) badUsage("the file's name has no extension: points are written as {}", endings);
+  badUsage("points are written as {}, not \".{}\"", endings, format);
 }
 
 }  // namespace latelight::output

@@ -161,9 +161,28 @@ def test_wrong_arguments(renderer):
                 r"shadow must have the shape of depth, \(4, 4\), not",
                 lambda: depth_sensor.measure(kinect, *plane(1, 0, (4, 4)), 500.0, seed, np.ones(shape, bool)),
             )
-    refused("focal", lambda: depth_sensor.measure(kinect, np.ones((4, 4)), np.ones((4, 4)), 0.0))
-    refused("baseline", lambda: dataclasses.replace(kinect, baseline=0.0))
-    refused("noise", lambda: dataclasses.replace(kinect, lateral=(-1.0, 0.0)))
+    for focal in (0.0, -1.0, math.inf, math.nan, "x"):
+        refused("focal", lambda: depth_sensor.measure(kinect, np.ones((4, 4)), np.ones((4, 4)), focal))
+    refused("depth must be", lambda: depth_sensor.measure(kinect, "x", np.ones((4, 4)), 500.0))
+    for seed in (-1, 1.5, "x", 2**63, True):
+        refused("seed must be a whole number", lambda: depth_sensor.measure(kinect, *plane(1, 0), 500.0, seed))
+        refused(
+            "seed must be a whole number",
+            lambda: depth_sensor.capture(renderer, latelight.Camera(), (8, 8), kinect, seed=seed),
+        )
+    for name, values, text in (
+        ("baseline", (0.0, math.nan, math.inf, "x", None), "baseline"),
+        ("lateral", ((-1.0, 0.0), (math.nan, 0.0)), "noise"),
+        ("lateral", ((), (1.0,), (1.0, 2.0, 3.0), 1.0, None, "12", ("a", "b")), "lateral must be"),
+        ("axial", ((1, 2), (0.0,) * 5, None, "1234", (0.0, 0.0, 0.0, "x")), "axial must be"),
+        ("disparity_noise", (-1.0, math.nan), "noise"),
+        ("disparity_step", ("x", None), "disparity_step must be a number"),
+        ("min_range", (-1.0, 6.0, math.nan), "range"),
+        ("max_range", (0.1, math.nan), "range"),
+        ("max_incidence", (math.nan, math.inf, -5, 90.5, "x", None), "max_incidence must be"),
+    ):  # fmt: skip
+        for value in values:
+            refused(text, lambda: dataclasses.replace(kinect, **{name: value}))
     lens = latelight.Camera(lens=latelight.Lens(model="fisheye"))
     refused("perspective", lambda: depth_sensor.capture(renderer, lens, (8, 8), kinect))
     camera = latelight.Camera()

@@ -376,14 +376,19 @@ def test_wrong_arguments(renderer, tmp_path, scanned):
     refused("rigid", lambda: lidar.scan(renderer, pattern, np.diag([2, 2, 2, 1])))
     refused("4x4", lambda: lidar.scan(renderer, pattern, np.eye(3)))
     refused("returns must be one of strongest", lambda: lidar.scan(renderer, pattern, POSE, returns="weakest"))
-    refused("samples must be", lambda: lidar.scan(renderer, pattern, POSE, samples=0))
-    refused("slices must be", lambda: lidar.scan(renderer, pattern, POSE, slices=0))
+    for samples in (-1, 0, 1025, 2**70):
+        text = f"samples must be a whole number from 1 to 1024, not {samples}$"
+        refused(text, lambda: lidar.scan(renderer, pattern, POSE, samples=samples))
+    for slices in (-1, 0, 100_001):
+        text = f"slices must be a whole number from 1 to 100000, not {slices}$"
+        refused(text, lambda: lidar.scan(renderer, pattern, POSE, slices=slices))
     refused("unit vectors", lambda: firings([[2, 0, 0]]))
     refused("must increase", lambda: lidar.Trajectory([0, 0], [POSE, POSE]))
     refused("known from 0 to 0.01 s", lambda: lidar.scan(
         renderer, lidar.vlp16(), lidar.Trajectory([0, 0.01], [POSE, POSE])))  # fmt: skip
     refused("different directions", lambda: lidar.sensor_pose((0, 0, 0), (0, 1, 0)))
     refused('written as .ply, .pcd, .bin, .npz, not ".las"', lambda: scanned.write(tmp_path / "a.las"))
+    refused("no extension: points are written as .ply, .pcd, .bin, .npz$", lambda: scanned.write(tmp_path / "a"))
     refused("No such file", lambda: scanned.write(tmp_path / "none" / "a.ply"))
     refused('"sensor" or "world"', lambda: scanned.write(tmp_path / "a.ply", frame="map"))
     refused("no option", lambda: lidar.scan(renderer, pattern, POSE, sample=3))
