@@ -32,12 +32,12 @@ constexpr int kRehearsals = 12;       // maximum number, for devices whose times
 // Runs `act`, and returns the error message, or an empty string.
 template <typename Act>
 std::string sentenceOf(
-    const Act& act, const std::function<void()>& onDeviceLost = [] {}) {
+    const Act& act, const std::function<void(ExitCode)>& onError = [](ExitCode) {}) {
   try {
     act();
     return "";
   } catch (const Error& error) {
-    if (error.code() == ExitCode::DeviceLost) onDeviceLost();
+    onError(error.code());
     return error.what();
   } catch (const std::bad_alloc&) {
     return "out of memory; use a smaller scene or image";
@@ -69,6 +69,7 @@ ViewSession::Impl::Impl(const Start& start)
     control.emplace(Viewpoint{world(*start.eye), world(*start.target), fov}, worldBounds(stage.scene()).radius());
   }
   camera();  // throws if no camera has that name
+  stage.check(settings(Side::Left), cameraChoice(), environmentWord());
   touch();
   describe();
 }
@@ -197,6 +198,7 @@ void ViewSession::Impl::makePicture() {
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   if (pictureFailed) forgetError();
   picture.final = !asDraft && !follows;
+  if (!asDraft) shown = choices();
   picture.milliseconds = 1000 * seconds;
   if (stage.device().pipelinesMade() != pipelines)
     rehearsals = kRehearsals;
@@ -299,7 +301,7 @@ ViewSession::~ViewSession() = default;
 
 void ViewSession::input(const Input& input) {
   Impl& i = *impl_;
-  const std::string sentence = sentenceOf([&] { i.take(input); }, [&] { i.stage.dropDevice(); });
+  const std::string sentence = sentenceOf([&] { i.take(input); }, [&](ExitCode code) { i.dropIfLost(code); });
   if (!sentence.empty()) i.state.error = sentence;
   const std::string other = sentenceOf([&] { i.describe(); });
   if (!other.empty()) i.state.error = other;
@@ -335,12 +337,17 @@ const SessionFrame& ViewSession::next() {
     i.takeValidation();
     i.describe();
   };
-  const std::string sentence = sentenceOf(make, [&] { i.stage.dropDevice(); });
+  bool restored = false;
+  const std::string sentence = sentenceOf(make, [&](ExitCode code) {
+    i.dropIfLost(code);
+    restored = code == ExitCode::Usage && i.restoreShown();
+  });
   if (sentence.empty()) return i.picture;
   i.state.error = sentence;
-  i.pictureFailed = true;
+  i.pictureFailed = !restored;
   i.state.playing = false;
-  i.dirty = i.recompose = false;
+  i.dirty = restored;
+  i.recompose = false;
   i.picture.final = true;  // until the next request
   i.rehearsals = 0;
   i.probed = i.steering.pixel();
@@ -367,7 +374,7 @@ std::vector<std::byte> ViewSession::screenshot(Side side) {
   try {
     return output::encodePng(impl_->finalPicture(side));
   } catch (const Error& error) {
-    if (error.code() == ExitCode::DeviceLost) impl_->stage.dropDevice();
+    impl_->dropIfLost(error.code());
     throw;
   }
 }

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "view/choice.h"
 #include "view/draft.h"
 #include "view/session.h"
@@ -23,11 +25,22 @@ struct ViewSession::Impl {
   // --- input. On Error, these functions change nothing. ---
   void take(const Input& input);
   void resize(const Resize& size);
+  // The parts of the state with which pictures may be impossible.
+  struct Choices {
+    Choice choices[2];
+    std::string environment, camera;
+    std::optional<CameraControl> control;
+  };
+  Choices choices() const;
+  void restore(Choices earlier);
+  // Changes these parts. If no picture can be rendered with the result, restores them and throws Error.
+  void choose(const std::function<void()>& change);
+  std::optional<Error> whyUnrenderable();  // nothing: pictures can be rendered
+  bool restoreShown();
   void setOption(const SetOption& set);
   void showOutput(const ShowOutput& show);
   void setSplit(const SetSplit& split);
   void useCamera(const std::string& name);
-  void useEnvironment(const std::string& name);
   void uploadEnvironment(const UploadEnvironment& given);
   void movePointer(const PointerMove& move);
   void turnWheel(double steps);
@@ -76,6 +89,7 @@ struct ViewSession::Impl {
   void probe();
   void lightAgain();
   void shadeAgain();
+  void dropIfLost(ExitCode code) { code == ExitCode::DeviceLost ? stage.dropDevice() : void(); }
   void takeValidation();
   void describe();
   void describeLights();
@@ -93,6 +107,7 @@ struct ViewSession::Impl {
   std::vector<std::string> validation;
   bool dirty = true, recompose = false;
   bool pictureFailed = false;        // state.error is that of the last picture
+  std::optional<Choices> shown;      // of the last picture that was not a draft, unless restored since
   std::optional<glm::uvec2> probed;  // the probed pixel, if nothing has changed since
   Clock::time_point touched{}, stepped = Clock::now();
 };

@@ -49,11 +49,11 @@ void ViewSession::Impl::take(const Input& input) {
                  [&](const Wheel& wheel) { turnWheel(wheel.steps); },
                  [&](const Key& key) { pressKey(key); },
                  [&](const Blur&) { steering.release(); },
-                 [&](const SetOption& set) { change([&] { setOption(set); }); },
-                 [&](const ShowOutput& show) { change([&] { showOutput(show); }); },
+                 [&](const SetOption& set) { change([&] { choose([&] { setOption(set); }); }); },
+                 [&](const ShowOutput& show) { change([&] { choose([&] { showOutput(show); }); }); },
                  [&](const SetSplit& split) { setSplit(split); },
-                 [&](const UseCamera& use) { change([&] { useCamera(use.name); }); },
-                 [&](const UseEnvironment& use) { change([&] { useEnvironment(use.name); }); },
+                 [&](const UseCamera& use) { change([&] { choose([&] { useCamera(use.name); }); }); },
+                 [&](const UseEnvironment& use) { change([&] { choose([&] { state.environment = use.name; }); }); },
                  [&](const UploadEnvironment& given) { change([&] { uploadEnvironment(given); }); },
                  [&](const SetNavigation& set) { steering.navigation = set.mode; },
                  [&](const Play& wanted) { change([&] { play(wanted.on); }); },
@@ -90,6 +90,53 @@ void ViewSession::Impl::resize(const Resize& size) {
   touch();
 }
 
+ViewSession::Impl::Choices ViewSession::Impl::choices() const {
+  return {{state.choices[0], state.choices[1]}, state.environment, state.camera, control};
+}
+
+void ViewSession::Impl::restore(Choices earlier) {
+  state.choices[0] = std::move(earlier.choices[0]);
+  state.choices[1] = std::move(earlier.choices[1]);
+  state.environment = std::move(earlier.environment);
+  state.camera = std::move(earlier.camera);
+  control = std::move(earlier.control);
+}
+
+// A file that changed may contradict several options. Each of them can then be changed by itself.
+void ViewSession::Impl::choose(const std::function<void()>& change) {
+  const Choices before = choices();
+  try {
+    change();
+    if (const std::optional<Error> why = whyUnrenderable()) {
+      Choices changed = choices();
+      restore(before);
+      if (!whyUnrenderable()) throw Error(*why);
+      restore(std::move(changed));
+    }
+    stage.light(environmentWord());  // throws if its file cannot be read
+  } catch (...) {
+    restore(before);
+    throw;
+  }
+}
+
+std::optional<Error> ViewSession::Impl::whyUnrenderable() {
+  try {
+    for (const Side side : {Side::Left, Side::Right})
+      if (side == Side::Left || hasSplit()) stage.check(settings(side), cameraChoice(), environmentWord());
+    return std::nullopt;
+  } catch (const Error& error) {
+    return error;
+  }
+}
+
+// Restores the choices of the last picture. Limits of a device are found only when a picture is rendered.
+bool ViewSession::Impl::restoreShown() {
+  std::optional<Choices> last = std::exchange(shown, std::nullopt);
+  if (last) restore(std::move(*last));
+  return last.has_value();
+}
+
 void ViewSession::Impl::setOption(const SetOption& set) {
   const Choice changed = withOption(choiceOf(set.side), set.name, set.value);
   const render::Settings s = settingsOf(changed, 1, 1).settings;
@@ -122,14 +169,9 @@ void ViewSession::Impl::moveSlider(double by) {
 // --- camera ---------------------------------------------------------------------------------------------------------
 
 void ViewSession::Impl::useCamera(const std::string& name) {
-  const std::string before = std::exchange(state.camera, name);
-  const std::optional<CameraControl> steered = std::exchange(control, std::nullopt);
-  try {
-    camera();
-  } catch (...) {
-    state.camera = before, control = steered;
-    throw;
-  }
+  state.camera = name;
+  control.reset();
+  camera();  // throws if no camera has that name
 }
 
 CameraControl& ViewSession::Impl::steered() {
@@ -205,21 +247,13 @@ void ViewSession::Impl::escape() {
 
 // --- scene ----------------------------------------------------------------------------------------------------------
 
-void ViewSession::Impl::useEnvironment(const std::string& name) {
-  const std::string before = std::exchange(state.environment, name);
-  try {
-    stage.light(environmentWord());
-  } catch (...) {
-    state.environment = before;
-    throw;
-  }
-}
-
 void ViewSession::Impl::uploadEnvironment(const UploadEnvironment& given) {
   scene::Environment made = scene::makeEnvironment(scene::decodePicture(*given.file, given.name));
   made.name = given.name;
   stage.give(std::move(made));
-  useEnvironment(given.name);
+  state.environment = given.name;  // it contradicts no option
+  shown.reset();                   // the earlier environment may be one that this one replaced
+  stage.light(environmentWord());
 }
 
 void ViewSession::Impl::select(glm::uvec2 pixel) {
@@ -285,6 +319,7 @@ void ViewSession::Impl::load(const std::string& source, const scene::LoadOptions
   start.load = options;
   lights = positionalLights(stage.scene());
   state.lightsMoved = false;
+  shown.reset();
 }
 
 // Resets the settings that refer to parts of the earlier scene.
@@ -292,8 +327,10 @@ void ViewSession::Impl::openScene(const std::string& source) {
   scene::LoadOptions options = start.load;
   options.variant.clear();
   load(source, options);
-  for (Choice& choice : state.choices)
+  for (Choice& choice : state.choices) {
     for (const char* key : {"animation", "time"}) choice.options.erase(key);
+    if (!settingsOf(choice, 1, 1).settings.shadowLights.names.empty()) choice.options.erase("shadow-lights");
+  }
   state.playing = false;
   state.camera.clear();
   state.selected.reset();

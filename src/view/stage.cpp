@@ -142,6 +142,14 @@ render::Settings Stage::prepared(const render::Settings& settings) {
   return s;
 }
 
+void Stage::check(const ChosenSettings& chosen, const CameraChoice& choice, const std::string& environment) {
+  const render::Settings s = prepared(chosen.settings);
+  const scene::Camera camera = this->camera(choice, s);
+  const render::SceneState moment = momentOf(choice, s);
+  const bool lit = !render::environmentName(*scene_, environment, false).empty();
+  render::Renderer::check({device(), *scene_, lit, camera, s, moment}, chosen.debug && chosen.debug->targets);
+}
+
 Stage::Result Stage::render(const ChosenSettings& chosen, const CameraChoice& choice, bool ids, bool follows) {
   render::Settings s = prepared(chosen.settings);
   const scene::Camera camera = this->camera(choice, s);

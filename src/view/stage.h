@@ -50,6 +50,9 @@ class Stage {
   void lightAgain();
   bool environmentChanged() { return environmentWatch_.changed(); }
   void give(scene::Environment environment) { given_ = std::move(environment), environmentName_.reset(); }
+  // Throws the Error with which render() rejects options that the scene, the camera or the environment (as for light())
+  // does not support, without rendering.
+  void check(const ChosenSettings& chosen, const CameraChoice& choice, const std::string& environment);
   // Renders a picture as `latelight render` does. If `ids` is set, the result includes the output "id" of the same
   // pixels.
   struct Result {

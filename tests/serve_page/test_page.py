@@ -514,7 +514,7 @@ def test_a_reconnected_page_restores_its_options(page, tmp_path):
         materials=[{}, {"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}],
     )
     (tmp_path / "scene.gltf").write_text(json.dumps(scene))
-    options = ("--validate", "--sun=30,40", "--variant=other", "--shadows=rays")
+    options = ("--validate", "--sun=30,40", "--variant=other", "--shadows=rays", "--hdri=none")
     server = Server(tmp_path, tmp_path / "scene.gltf", options)
     page.add_init_script(KEEP_SOCKETS)
     page.set_viewport_size({"width": 760, "height": 300})
@@ -523,13 +523,17 @@ def test_a_reconnected_page_restores_its_options(page, tmp_path):
     open_options(page)
     page.click("#sun-off")
     page.select_option("#variant", "")
+    page.select_option("#environment", "studio")
+    page.fill("#option-background", "hdri")  # which conflicts with --hdri=none of the command line
+    page.press("#option-background", "Enter")
     page.select_option("#option-shadows", "d32")
     page.select_option("#option-lighting", "forward")  # which conflicts with --shadows=rays of the command line
     page.select_option("#split", "slider")
     page.select_option("#option-shadows", "none")
     settle(page)
     right, left = commands(page)
-    assert "--lighting=forward" in right
+    for word in ("--lighting=forward", "--background=hdri", "--hdri=studio"):
+        assert word in right
     for word in ("--sun", "--variant", "--shadows"):
         assert word not in right
     assert left == right.replace("--lighting=forward", "--lighting=forward --shadows=none")

@@ -80,6 +80,12 @@ void expectAsRendered(Viewer& viewer, const std::string& what) {
   EXPECT_TRUE(folder.read("shot.png") == file) << "the screenshot";
 }
 
+void expectAsRenderedAfterAnInput(Viewer& viewer, const std::string& what) {
+  viewer(Wheel{1});
+  viewer(SetOption{"exposure", "0.5"});
+  expectAsRendered(viewer, what);
+}
+
 // --- options --------------------------------------------------------------------------------------------------------
 
 // A value other than the default. Values of texts are listed here, so a new one fails the test until it has a value.
@@ -165,19 +171,21 @@ TEST(ViewSessionTest, WhatCannotBeIsASentenceAndChangesNothing) {
   Viewer viewer(small());
   viewer.settle();
   const Choice before = viewer.state().choices[0];
-  const std::pair<Input, const char*> wrong[] = {{SetOption{"layout", "nothing"}, "--layout"},
-                                                 {SetOption{"exposure", "bright"}, "--exposure takes a number"},
-                                                 {SetOption{"nothing", "1"}, "no option \"nothing\""},
-                                                 {SetOption{"size", "9x9"}, "no option \"size\""},
-                                                 {SetOption{"animation", "walk"}, "animation"},
-                                                 {ShowOutput{"nothing"}, "nothing"},
-                                                 {ShowOutput{"target:nothing"}, "has no target \"nothing\""},
-                                                 {UseCamera{"nobody"}, "no camera \"nobody\""},
-                                                 {UseEnvironment{"/nowhere.hdr"}, "/nowhere.hdr"},
-                                                 {MoveLight{99, {0, 0, 0}}, "there is no light 99"},
-                                                 {NudgeLight{99, 1, 1}, "there is no light 99"},
-                                                 {Screenshot{"/nowhere/at/all.png"}, "/nowhere/at"},
-                                                 {Screenshot{"picture.gif"}, ".gif"}};
+  const std::pair<Input, const char*> wrong[] = {
+      {SetOption{"layout", "nothing"}, "--layout"},
+      {SetOption{"exposure", "bright"}, "--exposure takes a number"},
+      {SetOption{"nothing", "1"}, "no option \"nothing\""},
+      {SetOption{"size", "9x9"}, "no option \"size\""},
+      {SetOption{"animation", "walk"}, "animation"},
+      {SetOption{"shadow-lights", "nosuch"}, "no light is called \"nosuch\""},
+      {ShowOutput{"nothing"}, "nothing"},
+      {ShowOutput{"target:nothing"}, "has no target \"nothing\""},
+      {UseCamera{"nobody"}, "no camera \"nobody\""},
+      {UseEnvironment{"/nowhere.hdr"}, "/nowhere.hdr"},
+      {MoveLight{99, {0, 0, 0}}, "there is no light 99"},
+      {NudgeLight{99, 1, 1}, "there is no light 99"},
+      {Screenshot{"/nowhere/at/all.png"}, "/nowhere/at"},
+      {Screenshot{"picture.gif"}, ".gif"}};
   for (const auto& [input, sentence] : wrong) {
     viewer(input);
     EXPECT_THAT(viewer.state().error, HasSubstr(sentence));
@@ -187,6 +195,76 @@ TEST(ViewSessionTest, WhatCannotBeIsASentenceAndChangesNothing) {
   viewer(SetOption{"exposure", "1"});
   EXPECT_THAT(viewer.state().error, IsEmpty()) << "forgotten with the next input";
   expectAsRendered(viewer, "after all that");
+}
+
+// Which of the two comes last is rejected, and the other one still has its picture.
+TEST(ViewSessionTest, OptionsThatContradictTheEnvironmentAreRejected) {
+  Viewer viewer(small());
+  viewer(UseEnvironment{"none"});
+  viewer(SetOption{"background", "hdri"});
+  EXPECT_THAT(viewer.state().error, HasSubstr("can't be the background"));
+  EXPECT_THAT(viewer.state().choices[0].options, IsEmpty());
+  expectAsRenderedAfterAnInput(viewer, "no environment");
+  viewer(UseEnvironment{"studio"});
+  viewer(SetOption{"background", "hdri"});
+  viewer(UseEnvironment{"none"});
+  EXPECT_THAT(viewer.state().error, HasSubstr("can't be the background"));
+  EXPECT_EQ(viewer.state().environment, "studio");
+  expectAsRenderedAfterAnInput(viewer, "the environment as background");
+}
+
+TEST(ViewSessionTest, OptionsThatContradictAnOutputAreRejected) {
+  Viewer viewer(small());
+  viewer(SetOption{"lighting", "forward"});
+  viewer(ShowOutput{"target:albedo"});
+  EXPECT_THAT(viewer.state().error, HasSubstr("target"));
+  EXPECT_EQ(viewer.state().choices[0].output, "picture");
+  viewer(SetOption{"lighting", ""});
+  viewer(ShowOutput{"targets"});
+  viewer(SetOption{"lighting", "forward"});
+  EXPECT_THAT(viewer.state().error, HasSubstr("no G-buffer"));
+  expectAsRenderedAfterAnInput(viewer, "targets");
+}
+
+TEST(ViewSessionTest, OptionsThatContradictTheCameraAreRejected) {
+  const Folder folder;
+  folder.write("cameras.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+      "nodes": [{"name": "eye", "camera": 0}, {"name": "plan", "camera": 1}],
+      "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}},
+                  {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0.1, "zfar": 9}}]})");
+  Viewer viewer(small(folder.at("cameras.gltf")));
+  viewer(SetOption{"aperture", "0.1"});
+  viewer(UseCamera{"plan"});
+  EXPECT_THAT(viewer.state().error, HasSubstr("--aperture requires a perspective camera"));
+  EXPECT_NE(viewer.state().camera, "plan");
+  viewer(SetOption{"aperture", ""});
+  viewer(UseCamera{"plan"});
+  EXPECT_EQ(viewer.state().error, "");
+  viewer(SetOption{"aperture", "0.1"});
+  EXPECT_THAT(viewer.state().error, HasSubstr("--aperture requires a perspective camera"));
+  viewer(SetOption{"exposure", "1"});
+  expectAsRendered(viewer, "the orthographic camera");
+}
+
+// Limits of CPU devices are found only when a picture is rendered.
+TEST(ViewSessionTest, OptionsThatTheDeviceDoesNotSupportAreReset) {
+  Viewer viewer(small());
+  viewer(SetOption{"shadow-filter", "pcss"});
+  viewer(SetOption{"shadows", "rays"});
+  viewer.settle();
+  EXPECT_THAT(viewer.state().error, IsEmpty());
+  const Choice before = viewer.state().choices[0];
+  viewer(SetOption{"samples", "1000"});
+  viewer.settle();
+  EXPECT_THAT(viewer.state().error, HasSubstr("shadow rays per light"));
+  EXPECT_TRUE(viewer.state().choices[0] == before);
+  expectAsRenderedAfterAnInput(viewer, "without the samples");
+}
+
+TEST(ViewSessionTest, AStartThatHasNoPictureFails) {
+  Start start = small();
+  start.choice.options["shadow-lights"] = "nosuch";
+  EXPECT_ANY_THROW(Viewer{start});
 }
 
 // --- cameras --------------------------------------------------------------------------------------------------------
@@ -612,9 +690,13 @@ TEST(ViewSessionTest, OpensAnotherScene) {
   viewer(SetOption{"exposure", "1"});
   viewer(SetOption{"time", "0.5"});
   viewer(SetOption{"animation", "bend"});
+  viewer(SetOption{"sun", "30,40"});
+  viewer(SetOption{"shadow-lights", "sun"});
+  viewer(SetOption{"sun", ""});
   viewer(Key{"ArrowLeft", true});
   viewer(Key{"Enter", true});
   viewer.settle();
+  EXPECT_EQ(viewer.state().error, "");
   viewer(OpenScene{"/nowhere.glb"});
   EXPECT_THAT(viewer.state().error, HasSubstr("/nowhere.glb"));
   EXPECT_TRUE(viewer.state().steered) << "all is as it was";

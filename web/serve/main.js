@@ -75,23 +75,25 @@ function begin(told) {
 }
 
 // Sends every option, because the new session begins with those of the command line, and its right side with those of
-// the left one. The session rejects an option that conflicts with one that is replaced only later, so the second pass
-// sets those that the first one could not.
+// the left one. The session rejects an option that conflicts with an option, the environment or the camera that is
+// replaced only later, so the second pass sets those that the first one could not.
 function restore(last) {
   const tell = (which) => {
     const { options, output } = last[which];
-    for (const pass of [1, 2]) {
-      for (const { key } of tables.options) send("option", { name: key, value: options[key] ?? "", side: which });
-      send("output", { name: output, side: which });
-    }
+    for (const { key } of tables.options) send("option", { name: key, value: options[key] ?? "", side: which });
+    send("output", { name: output, side: which });
   };
-  tell("left");
-  if (last.split.mode !== "off") send("split", last.split), tell("right");
+  const tellBoth = () => {
+    tell("left");
+    if (last.split.mode !== "off") send("split", last.split), tell("right");
+  };
+  tellBoth();
   if (last.variants.length) send("variant", { name: last.variant });
-  if (sentFile?.name === last.environment) sendEnvironment(sentFile);
-  else send("environment", { name: last.environment });
-  if ($("lights").getAttribute("aria-pressed") === "true") send("lights", { on: true });
   send("camera", { name: last.camera });
+  if (sentFile?.name === last.environment) sendEnvironment(sentFile).then(tellBoth);
+  else send("environment", { name: last.environment });
+  tellBoth();
+  if ($("lights").getAttribute("aria-pressed") === "true") send("lights", { on: true });
   return send("navigation", { mode: last.navigation });
 }
 

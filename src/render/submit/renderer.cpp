@@ -151,6 +151,49 @@ bool isAtRest(const SceneState& moment) {
   return moment.poses.current.empty() && !moment.motion.poseAt;
 }
 
+// Throws Error if the device, the scene or its environment does not support the settings.
+void checkScene(const vk::Device& device, const scene::Scene& scene, bool hasEnvironment, const Settings& settings,
+                const SceneState& moment) {
+  checkSettings(settings);
+  const bool anyEnvironment = hasEnvironment || !moment.worlds.environments.empty();
+  if (settings.background.kind == Background::Environment && !anyEnvironment)
+    badUsage(
+        "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
+  checkRaysInWorlds(settings, moment.worlds);
+  requireRaster(device, settings);
+  // Worlds may have lights of their own, which are checked when their shadows are planned.
+  if (settings.shadowLights.names.empty() || settings.shadows == ShadowFormat::None || !isLit(settings) ||
+      moment.worlds.count > 0)
+    return;
+  std::vector<scene::Light> lights = scene.lights;
+  std::erase_if(lights, &scene::Light::removed);
+  if (const std::optional<scene::Light> sun = sunOf(settings)) lights.push_back(*sun);
+  if (!lights.empty()) checkShadowLights(settings.shadowLights, lights);
+}
+
+bool transmits(const scene::Scene& scene, const SceneState& moment) {  // some surface refracts the picture around it
+  const auto isTransmissive = [](const shared::Material& material) {
+    return (scene::layerFlags(material) & shared::kMaterialTransmissive) != 0;
+  };
+  const auto posed = scene::posedMaterials(scene, moment.poses.current);
+  return std::ranges::any_of(scene.materials, isTransmissive, &scene::Material::data) ||
+         std::ranges::any_of(posed | std::views::values, isTransmissive);
+}
+
+void checkJob(const RenderJob& job, const scene::Scene& scene, const Settings& settings, const SceneState& moment) {
+  checkExposure(settings, {.worlds = moment.worlds.count > 0,
+                           .exposes = job.exposes,
+                           .byRows = job.rowsAreViews,
+                           .refracts = job.rowsAreViews && transmits(scene, moment)});
+}
+
+void checkTargets(const Settings& settings) {
+  if (settings.lighting->forward)
+    badUsage("{} lighting has no G-buffer to show: choose a deferred technique", settings.lighting->name);
+  if (!settings.layout->hasTargets())
+    badUsage("the layout {} has no targets to show: choose another", settings.layout->name);
+}
+
 }  // namespace
 
 Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
@@ -167,14 +210,19 @@ Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::E
 
 Renderer::~Renderer() = default;
 
+// In the order of start() and readTargets().
+void Renderer::check(const Request& request, bool targets) {
+  const auto& [device, scene, hasEnvironment, camera, wanted, moment] = request;
+  Settings settings = settingsFor({&camera, 1}, wanted);
+  if (!targets) settings = sensedSettings(settings);
+  checkScene(device, scene, hasEnvironment, settings, moment);
+  if (targets) return checkTargets(settings);
+  checkJob(RenderJob({&camera, 1}, scene, settings, moment, settings.height), scene, settings, moment);
+}
+
 void Renderer::begin(const Settings& settings, const SceneState& moment) {
-  checkSettings(settings);
-  const bool anyEnvironment = hasEnvironment_ || !moment.worlds.environments.empty();
-  if (settings.background.kind == Background::Environment && !anyEnvironment)
-    badUsage(
-        "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
   // Batches in flight depend on the scene's state, so nothing may change before it is known that none overflowed.
-  checkRaysInWorlds(settings, moment.worlds);
+  checkScene(device_, scene_, hasEnvironment_, settings, moment);
   const SceneInput input = inputOf(settings, moment);
   if (sceneInput_ == input && differsInArraysOnly(settings, moment)) {
     gpuScene_.repeatDeformation(WorldDeformer::arraysOf(moment.worlds.deformations));
@@ -195,7 +243,6 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
     warn(
         "the data outputs show what lies behind blended and transmissive surfaces and not these themselves; "
         "--data-surfaces any includes them");
-  requireRaster(device_, settings);
   if (settings.ground != Ground::None && !settings.groundHeight) findLowestPoint();
   prepareScene(settings);
   planPlacedShadows(settings, moment.worlds);
@@ -383,18 +430,9 @@ std::shared_ptr<FrameShadows> Renderer::placeShadows(ShadowPlan plan, const Sett
   return shadows;
 }
 
-bool Renderer::transmits(const SceneState& moment) const {
-  const auto isTransmissive = [](const shared::Material& material) {
-    return (scene::layerFlags(material) & shared::kMaterialTransmissive) != 0;
-  };
-  const auto posed = scene::posedMaterials(scene_, moment.poses.current);
-  return std::ranges::any_of(scene_.materials, isTransmissive, &scene::Material::data) ||
-         std::ranges::any_of(posed | std::views::values, isTransmissive);
-}
-
 Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment,
                         Results results, const ExportTargets& targets) {
-  return {*this, start(cameras, settings, moment, stripsOf(settings, transmits(moment)), results, targets)};
+  return {*this, start(cameras, settings, moment, stripsOf(settings, transmits(scene_, moment)), results, targets)};
 }
 
 RenderResult Renderer::renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
@@ -419,10 +457,7 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   replays_.tick();
   const uint32_t rows = strips.size() > 1 ? settings.height : strips.front().rows;
   const auto job = std::make_shared<RenderJob>(cameras, scene_, settings, moment, rows);
-  checkExposure(settings, {.worlds = moment.worlds.count > 0,
-                           .exposes = job->exposes,
-                           .byRows = job->rowsAreViews,
-                           .refracts = job->rowsAreViews && transmits(moment)});
+  checkJob(*job, scene_, settings, moment);
   if (usesSensor(requested)) job->sensed = requested;
   job->results = results;
   job->meteredExposures = std::move(exposures);
@@ -948,10 +983,7 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
     exposures = meter({&camera, 1}, settings, moment);
   }
   begin(settings, moment);
-  if (settings.lighting->forward)
-    badUsage("{} lighting has no G-buffer to show: choose a deferred technique", settings.lighting->name);
-  if (!settings.layout->hasTargets())
-    badUsage("the layout {} has no targets to show: choose another", settings.layout->name);
+  checkTargets(settings);
   if (tracesLight(settings)) followedBvh(tracesPaths(settings));  // even if no picture is requested
   Settings atCentres = settings;
   atCentres.aa.samples = 1;

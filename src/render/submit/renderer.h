@@ -63,6 +63,19 @@ class Renderer {
   // Returns the targets of the picture's own G-buffer, at pixel centers. Throws Error(Usage) if it has none.
   TargetsResult readTargets(const scene::Camera& camera, const Settings& settings, const SceneState& moment = {});
 
+  // Throws the Error with which submit(), or readTargets() if `targets`, rejects a request that its scene, environment
+  // or camera does not support. It needs no memory of the device, so options can be checked before they are used.
+  // Limits of CPU devices, on numbers of lights and rays, are checked only when a picture is rendered.
+  struct Request {
+    const vk::Device& device;
+    const scene::Scene& scene;
+    bool hasEnvironment;
+    const scene::Camera& camera;
+    const Settings& settings;
+    const SceneState& state;
+  };
+  static void check(const Request& request, bool targets);
+
   // Casts rays through the scene and waits for what they hit. Settings::dataSurfaces selects the surfaces; axes and
   // positionOrigin select the coordinate frames of rays and results. The first call builds the scene's BVHs, which
   // later calls update.
@@ -111,7 +124,6 @@ class Renderer {
                                    std::vector<float> exposures = {});
   // Returns the exposure factor of each view, for settings with an automatic exposure (metering.cpp).
   std::vector<float> meter(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment);
-  bool transmits(const SceneState& moment) const;  // some surface refracts the picture around it
   // Starts some views of a job, one strip after the other. Returns how many views fit into memory at once; if these are
   // fewer than `count`, none of them is in flight.
   size_t startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count, std::span<const Strip> strips);
