@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "app/commands.h"
@@ -91,8 +92,35 @@ void checkDashes(const CLI::App& cli, int argc, char** argv) {
   }
 }
 
+// Returns the command that was given, such as "latelight bench views", and its options.
+std::pair<std::string, const CLI::App*> commandOf(const CLI::App& cli) {
+  std::string name = cli.get_name();
+  const CLI::App* command = &cli;
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    name += " " + command->get_name();
+  }
+  return {name, command};
+}
+
+// Returns the message for a text that is not the number that its option accepts. CLI11's own, "Could not convert: NAME
+// = TEXT", does not tell what the option accepts.
+std::string inWords(const CLI::ConversionError& error, const CLI::App& cli) {
+  const std::string sentence = error.what();
+  const size_t colon = sentence.find(": "), equals = sentence.find(" = ");
+  if (colon == sentence.npos || equals == sentence.npos) return sentence;
+  const std::string name = sentence.substr(colon + 2, equals - colon - 2), text = sentence.substr(equals + 3);
+  const CLI::Option* option = commandOf(cli).second->get_option_no_throw(name);
+  const std::string type = option ? option->get_type_name() : "";
+  const char* numbers = type.starts_with("UINT")  ? "a whole number of at least 0"
+                        : type.starts_with("INT") ? "a whole number"
+                                                  : "a number";
+  return fmt::format("{} takes {}, not \"{}\"", name, numbers, shortened(text));
+}
+
 // Returns CLI11's message, with repeated arguments shortened if they are too long to read.
-std::string inWords(const CLI::ParseError& error, int argc, char** argv) {
+std::string inWords(const CLI::ParseError& error, const CLI::App& cli, int argc, char** argv) {
+  if (const auto* conversion = dynamic_cast<const CLI::ConversionError*>(&error)) return inWords(*conversion, cli);
   std::string sentence = error.what();
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i], value = argument.substr(argument.find('=') + 1);
@@ -165,8 +193,9 @@ int parseAndRun(int argc, char** argv) {
   } catch (const CLI::Success& request) {  // --help, --version
     return cli.exit(request);
   } catch (const CLI::ParseError& error) {
-    const std::string advice = cli.get_subcommands().empty() ? commandNames(cli) : "see latelight --help";
-    complain(fmt::format("{} ({})", inWords(error, argc, argv), advice));
+    const std::string advice =
+        cli.get_subcommands().empty() ? commandNames(cli) : fmt::format("see {} --help", commandOf(cli).first);
+    complain(fmt::format("{} ({})", inWords(error, cli, argc, argv), advice));
     return static_cast<int>(ExitCode::Usage);
   }
   if (cli.get_subcommands().empty()) badUsage("no command is given ({})", commandNames(cli));

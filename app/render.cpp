@@ -123,11 +123,11 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::D
   if (o.noSideFile) request.sideFile = false;
   request.inSequence = !o.frames.empty();
   if (debug && !o.aovs.empty()) badUsage("--debug and --aov each say what leaves; use one of them");
-  if (debug && o.out != "-" && output::formatOf(o.out) != output::Format::Png)
-    badUsage("--debug writes PNG; give -o a name that ends in .png");
   const bool isPictureOptional = !o.picks.empty() || !o.labels.empty() || !o.correspond.empty();
   if (o.out.empty() && (!isPictureOptional || debug || !o.aovs.empty()))
     badUsage("--out is required: give the output file with -o, unless only --pick, --labels or --correspond is used");
+  if (debug && o.out != "-" && output::formatOf(o.out) != output::Format::Png)
+    badUsage("--debug writes PNG; give -o a name that ends in .png");
   checkStandardOutput(o);
   planGraph(o);
   if (o.out.empty()) return request;

@@ -44,7 +44,10 @@ void addServeCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("serve", "Show a scene interactively in a browser, without a display on this machine");
   addViewOptions(*command, a.render);
-  command->add_option("--port", a.server.port, "Port; 0: any free port")->capture_default_str()->group("Server");
+  command->add_option("--port", a.server.port, "Port; 0: any free port")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 65535))
+      ->group("Server");
   command->add_option("--address", a.server.address, "Address to listen on; 0.0.0.0: all addresses of this machine")
       ->capture_default_str()
       ->group("Server");
