@@ -89,7 +89,9 @@ struct ViewSession::Impl {
   void probe();
   void lightAgain();
   void shadeAgain();
-  void dropIfLost(ExitCode code) { code == ExitCode::DeviceLost ? stage.dropDevice() : void(); }
+  void dropIfLost(ExitCode code) {
+    if (code == ExitCode::DeviceLost) stage.dropDevice();
+  }
   void takeValidation();
   void describe();
   void describeLights();
