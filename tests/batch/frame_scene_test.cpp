@@ -35,15 +35,11 @@ void writeHinge(const Folder& folder, const std::string& more = "") {
                                  more + "}");
 }
 
-// Returns where the nodes of the exported frame 0 are, by name.
-std::map<std::string, glm::dvec3> placesOf(const Folder& folder, const char* variation) {
-  const json camera{{"type", "list"}, {"cameras", {{{"eye", {0, 0, 9}}, {"target", {0, 0, 0}}}}}};
-  folder.write(
-      "job.json",
-      json{{"scenes", "hinge.gltf"}, {"cameras", camera}, {"variations", json::array({json::parse(variation)})}}
-          .dump());
+// Returns where the nodes of an exported frame are, by name.
+std::map<std::string, glm::dvec3> placesIn(const Folder& folder, const json& job, const char* frame = "0") {
+  folder.write("job.json", job.dump());
   const Outcome outcome = latelight(
-      {.arguments = {"export", "--job", "job.json", "--frame", "0", "-o", "frame.glb"}, .folder = folder.path()});
+      {.arguments = {"export", "--job", "job.json", "--frame", frame, "-o", "frame.glb"}, .folder = folder.path()});
   EXPECT_EQ(outcome.code, 0) << outcome.text();
   const std::string glb = folder.read("frame.glb");
   uint32_t bytes = 0;
@@ -60,6 +56,12 @@ std::map<std::string, glm::dvec3> placesOf(const Folder& folder, const char* var
   };
   for (const size_t node : root["scenes"][0]["nodes"]) visit(visit, node, glm::dmat4(1));
   return places;
+}
+
+std::map<std::string, glm::dvec3> placesOf(const Folder& folder, const char* variation) {
+  const json camera{{"type", "list"}, {"cameras", {{{"eye", {0, 0, 9}}, {"target", {0, 0, 0}}}}}};
+  return placesIn(
+      folder, {{"scenes", "hinge.gltf"}, {"cameras", camera}, {"variations", json::array({json::parse(variation)})}});
 }
 
 void expectNear(const glm::dvec3& place, const glm::dvec3& expected, const char* name) {
@@ -84,6 +86,42 @@ TEST(FrameScene, NodesWithoutMeshesMoveInAnAnimatedScene) {
   const auto places = placesOf(folder, R"({"type": "transforms", "nodes": "hinge", "translation": [2, 0, 0]})");
   expectNear(places.at("door"), {2, 0, 0}, "door");
   expectNear(places.at("tip"), {2, 0.7, 0}, "tip");
+}
+
+// A camera 2 m in front of a node at (1, 0, 0), which the animation lifts by 3 m per second.
+void writeCrane(const Folder& folder) {
+  const float values[] = {0, 1, 1, 0, 0, 1, 3, 0};
+  folder.write("crane.bin", std::string_view(reinterpret_cast<const char*>(values), sizeof(values)));
+  folder.write("crane.gltf", std::string_view(R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+    "nodes": [{"name": "crane", "translation": [1, 0, 0], "children": [1]},
+              {"name": "seat", "translation": [0, 0, 2], "camera": 0}],
+    "cameras": [{"type": "perspective", "name": "eye", "perspective": {"yfov": 0.5, "znear": 0.1}}],
+    "buffers": [{"uri": "crane.bin", "byteLength": 32}],
+    "bufferViews": [{"buffer": 0, "byteLength": 8}, {"buffer": 0, "byteOffset": 8, "byteLength": 24}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+                  {"bufferView": 1, "componentType": 5126, "count": 2, "type": "VEC3"}],
+    "animations": [{"samplers": [{"input": 0, "output": 1}],
+      "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}]})"));
+}
+
+// The crane turns by a quarter about Y, which leads from Z to X, and moves by 4 m. The right camera is 0.5 m to the
+// right of the left one, which looks along -X.
+TEST(FrameScene, CamerasFollowTheNodesThatTheVariationMoves) {
+  const Folder folder;
+  writeCrane(folder);
+  json job{
+      {"scenes", "crane.gltf"},
+      {"cameras", {{"type", "stereo"}, {"baseline", 0.5}, {"cameras", {{"type", "scene"}}}}},
+      {"variations", {{{"type", "transforms"}, {"nodes", "crane"}, {"translation", {0, 4, 0}}, {"rotation", 90}}}}};
+  expectNear(placesIn(folder, job).at("eye-left"), {3, 4, 0}, "left");
+  expectNear(placesIn(folder, job, "1").at("eye-right"), {3, 4, -0.5}, "right");
+  job["options"]["time"] = 0.5;  // the animation no longer moves the crane
+  expectNear(placesIn(folder, job).at("eye-left"), {3, 4, 0}, "left");
+  expectNear(placesIn(folder, job, "1").at("eye-right"), {3, 4, -0.5}, "right");
+  job["variations"][0]["nodes"] = "seat";
+  expectNear(placesIn(folder, job).at("eye-left"), {1, 4, 2}, "left");
+  job.erase("variations");
+  expectNear(placesIn(folder, job).at("eye-left"), {1, 1.5, 2}, "left");
 }
 
 }  // namespace

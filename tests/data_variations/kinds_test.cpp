@@ -262,6 +262,78 @@ TEST(TransformsTest, MoveAndTakeBackExactlyFarFromTheOrigin) {
   }
 }
 
+// A node at (1, 2, 3) above two others, one of which has a spot light.
+constexpr const char* kLampFile = R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+    "extensionsUsed": ["KHR_lights_punctual"],
+    "extensions": {"KHR_lights_punctual": {"lights": [{"type": "spot", "name": "bulb", "spot": {}}]}},
+    "nodes": [{"name": "lamp", "translation": [1, 2, 3], "children": [1, 2]},
+              {"name": "socket", "translation": [0, 0, 2], "extensions": {"KHR_lights_punctual": {"light": 0}}},
+              {"name": "foot", "translation": [0, -1, 1]}]})";
+
+// The scene of kLampFile in its first variation.
+struct VariedLamp {
+  explicit VariedLamp(const std::string& entries) {
+    const Folder folder;
+    folder.write("lamp.gltf", std::string_view(kLampFile));
+    scene = scene::load(folder.at("lamp.gltf"));
+    variations.emplace(Json::parse("[" + entries + "]"), scene, 1);
+    variations->apply(0);
+  }
+  // The transform of a node to the file's frame.
+  dmat4 toFile(const std::string& node) const {
+    for (uint32_t i = 0; i < scene.nodes.size(); ++i)
+      if (scene.nodes[i].name == node) return scene::toGltfFromWorld() * variations->movedNodes().at(i);
+    throw std::out_of_range(node);
+  }
+  dvec3 lightInFile() const { return scene::toGltfFromWorld() * dvec4(scene.lights.at(0).position, 1); }
+  scene::Scene scene;
+  std::optional<Variations> variations;
+};
+
+void expectNear(const dvec3& a, const dvec3& b) {
+  EXPECT_LE(glm::length(a - b), 1e-6) << a.x << " " << a.y << " " << a.z;
+}
+
+const std::string kMoveLamp = R"({"type": "transforms", "nodes": "lamp", "translation": [5, 0, 0]})";
+
+// A quarter turn about Y leads from Z to X.
+TEST(TransformsTest, MoveTheLightsOfNodes) {
+  const VariedLamp lamp(R"({"type": "transforms", "nodes": "lamp", "translation": [5, 0, 0], "rotation": 90})");
+  expectNear(lamp.lightInFile(), {8, 2, 3});
+  expectNear(dvec3(scene::toGltfFromWorld() * dvec4(lamp.scene.lights[0].direction, 0)), {-1, 0, 0});
+  const VariedLamp socket(R"({"type": "transforms", "nodes": "socket", "translation": [0, 7, 0]})");
+  expectNear(socket.lightInFile(), {1, 9, 5});
+}
+
+TEST(TransformsTest, LeaveLightsThatJitterHasMoved) {
+  const std::string jitter = R"({"type": "lights", "jitter": 0})";
+  expectNear(VariedLamp(jitter + "," + kMoveLamp).lightInFile(), {1, 2, 5});
+  expectNear(VariedLamp(kMoveLamp + "," + jitter).lightInFile(), {6, 2, 5});
+}
+
+TEST(TransformsTest, MoveTheLightsOfNodesAfresh) {
+  VariedLamp lamp(R"({"type": "transforms", "nodes": "lamp", "translation": [[0, 0, 0], [9, 0, 0]]})");
+  for (uint64_t n = 0; n < 3; ++n) {
+    const Json said = lamp.variations->apply(n)[0]["nodes"][0]["translation"];
+    expectNear(lamp.lightInFile(), {1 + said[0].get<double>(), 2, 5});
+  }
+}
+
+// Each entry turns and scales a node about the origin to which the entries before have moved it.
+TEST(TransformsTest, ApplyInOrder) {
+  const VariedLamp turned(kMoveLamp + R"(, {"type": "transforms", "nodes": "lamp", "rotation": 90})");
+  expectNear(turned.toFile("lamp")[3], {6, 2, 3});
+  expectNear(turned.toFile("foot")[3], {7, 1, 3});
+  expectNear(turned.lightInFile(), {8, 2, 3});
+  const VariedLamp scaled(kMoveLamp + R"(, {"type": "transforms", "nodes": "lamp", "scale": 2})");
+  expectNear(scaled.toFile("lamp")[3], {6, 2, 3});
+  expectNear(scaled.toFile("foot")[3], {6, 0, 5});
+  expectNear(scaled.lightInFile(), {6, 2, 7});
+  const VariedLamp footTurned(kMoveLamp + R"(, {"type": "transforms", "nodes": "foot", "rotation": 90})");
+  expectNear(footTurned.toFile("foot")[3], {6, 1, 4});
+  expectNear(footTurned.toFile("foot")[2], {1, 0, 0});
+}
+
 TEST(LightsTest, StateTheirPositionsAsDoubles) {
   scene::Scene scene = scene::load("builtin:hall,triangles=50k,lights=8");
   for (scene::Light& light : scene.lights) light.position.x += 1e8 + 0.3;

@@ -27,26 +27,51 @@ void checkMembers(const std::vector<JobCamera>& cameras, const std::vector<PairT
 CameraTimeline::CameraTimeline(const Job& job, const scene::Scene& scene) : job_(job), scene_(scene) {
   const render::Settings& s = job.settings;
   if (s.time) playback_ = scene::choosePlayback(scene, s.animation, s.loop);
-  const auto camerasAt = [&](std::optional<double> time, MemoryClaim& memory) {
-    CameraInputs inputs;
-    if (job.given.contains("size")) inputs.size = {s.width, s.height};
-    if (time) inputs.pose = scene::poseAt(scene, playback_, *time);
-    std::vector<JobCamera> cameras = makeCameras(job.cameras, scene, job.seed, inputs, &memory);
-    for (JobCamera& camera : cameras) {
-      if (camera.width == 0) camera.width = s.width;
-      if (camera.height == 0) camera.height = s.height;
-      camera.camera = render::fitted(std::move(camera.camera), s.cameraFit);
-    }
-    return cameras;
-  };
-  cameras_ = camerasAt(s.time, memory_[0]);
+  makeCamerasAt(s.time, cameras_, memory_[0]);
   const auto named = [](const PairTarget& target) { return target.kind != PairTarget::Kind::Step; };
   if (std::ranges::any_of(job.extras.pairs, named))
     for (size_t i = 0; i < cameras_.size(); ++i) byName_.emplace(cameras_[i].name, i);
   checkMembers(cameras_, job.extras.pairs);
-  if (!s.time || !scene.rig.isAnimated() || std::ranges::none_of(cameras_, &JobCamera::followsScene)) return;
-  earlier_ = camerasAt(*s.time - 1 / s.framesPerSecond, memory_[1]);
-  later_ = camerasAt(*s.time + 1 / s.framesPerSecond, memory_[2]);
+  const auto followsScene = [](const JobCamera& camera) { return camera.sceneCamera.has_value(); };
+  if (!s.time || !scene.rig.isAnimated() || std::ranges::none_of(cameras_, followsScene)) return;
+  makeCamerasAt(*s.time - 1 / s.framesPerSecond, earlier_, memory_[1]);
+  makeCamerasAt(*s.time + 1 / s.framesPerSecond, later_, memory_[2]);
+}
+
+void CameraTimeline::makeCamerasAt(std::optional<double> time, std::vector<JobCamera>& cameras, MemoryClaim& memory) {
+  const render::Settings& s = job_.settings;
+  CameraInputs inputs{.pose = poseAt(time)};
+  if (job_.given.contains("size")) inputs.size = {s.width, s.height};
+  cameras = makeCameras(job_.cameras, scene_, job_.seed, inputs, &memory);
+  for (JobCamera& camera : cameras) {
+    if (camera.width == 0) camera.width = s.width;
+    if (camera.height == 0) camera.height = s.height;
+    camera.camera = render::fitted(std::move(camera.camera), s.cameraFit);
+  }
+  addFollowers(inputs.pose, cameras, memory);
+}
+
+// Without variations no node moves, and no follower is required.
+void CameraTimeline::addFollowers(const scene::Pose& pose, std::vector<JobCamera>& cameras, MemoryClaim& memory) {
+  if (job_.variations.is_null()) return;
+  const std::vector<scene::Camera> bases = scene::posedCameras(scene_, pose);
+  for (JobCamera& camera : cameras) {
+    if (!camera.sceneCamera || bases[*camera.sceneCamera].node < 0) continue;
+    const scene::Camera& base = bases[*camera.sceneCamera];
+    const scene::dmat4 baseFromCamera = glm::inverse(base.toWorld) * camera.camera.toWorld;
+    memory.grow(2 * sizeof(Follower), "the job's cameras");  // the vector's capacity may be twice its length
+    followers_.push_back({camera.camera, static_cast<uint32_t>(base.node), camera.camera.toWorld, baseFromCamera});
+  }
+}
+
+void CameraTimeline::follow(const std::map<uint32_t, scene::dmat4>& movedNodes) {
+  for (const Follower& follower : followers_) {
+    follower.camera.toWorld = follower.toWorld;
+    const auto moved = movedNodes.find(follower.node);
+    if (moved == movedNodes.end()) continue;
+    scene::placeCamera(follower.camera, scene::toGltfFromWorld() * moved->second);
+    follower.camera.toWorld = follower.camera.toWorld * follower.baseFromCamera;
+  }
 }
 
 std::optional<double> CameraTimeline::time(size_t i) const {

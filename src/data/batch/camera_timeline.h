@@ -28,6 +28,10 @@ class CameraTimeline {
   // Throws Error as makeCameras() does, and if the scene does not have the job's animation.
   CameraTimeline(const Job& job, const scene::Scene& scene);
 
+  // Moves the cameras that follow cameras of the scene to the places of nodes that a variation has moved. Animations no
+  // longer move them then. Cameras of other nodes return to their places. `movedNodes`: transforms in the world.
+  void follow(const std::map<uint32_t, scene::dmat4>& movedNodes);
+
   size_t size() const { return cameras_.size(); }
   const JobCamera& camera(size_t i) const { return cameras_[i]; }  // its picture size is set
   // Scene time in seconds; empty if the scene is at rest.
@@ -63,6 +67,15 @@ class CameraTimeline {
   struct Times {
     std::optional<double> previous, now, next;
   };
+  // A camera that follows a node of the scene.
+  struct Follower {
+    scene::Camera& camera;
+    uint32_t node;
+    scene::dmat4 toWorld;         // before variations
+    scene::dmat4 baseFromCamera;  // the base is the scene's camera; a rig has offsets from it
+  };
+  void makeCamerasAt(std::optional<double> time, std::vector<JobCamera>& cameras, MemoryClaim& memory);
+  void addFollowers(const scene::Pose& pose, std::vector<JobCamera>& cameras, MemoryClaim& memory);
   Times timesOf(size_t i) const;
   std::optional<size_t> indexOf(std::string_view camera) const;
   std::optional<Neighbor> inSequence(size_t i, std::optional<size_t> neighbor) const;
@@ -70,10 +83,11 @@ class CameraTimeline {
   const Job& job_;
   const scene::Scene& scene_;
   scene::Playback playback_;
-  std::array<MemoryClaim, 3> memory_;  // for cameras_, earlier_ and later_
+  std::array<MemoryClaim, 3> memory_;  // for cameras_, earlier_ and later_, with their followers_
   std::vector<JobCamera> cameras_;
   std::map<std::string_view, size_t> byName_;  // indices of cameras_; empty unless the job pairs cameras by their names
   std::vector<JobCamera> earlier_, later_;     // by 1 / fps seconds; empty if the scene moves no camera
+  std::vector<Follower> followers_;            // in cameras_, earlier_ and later_
 };
 
 }  // namespace latelight::data

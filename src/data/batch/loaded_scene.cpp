@@ -15,7 +15,10 @@ LoadedScene::LoadedScene(const Job& job, scene::Scene scene)
 }
 
 const nlohmann::ordered_json& LoadedScene::show(uint32_t variation) {
-  if (variations_ && shown_ != variation) drawn_ = variations_->apply(variation);
+  if (variations_ && shown_ != variation) {
+    drawn_ = variations_->apply(variation);
+    cameras_.follow(variations_->movedNodes());
+  }
   shown_ = variation;
   return drawn_;
 }

@@ -32,7 +32,8 @@ struct JobCamera {
   uint32_t width = 0, height = 0;  // in pixels; 0: the job's size
   std::optional<SequencePosition> sequence{};
   CameraExposure exposure{};
-  bool followsScene = false;  // the pose comes from a camera of the scene, which animations may move
+  // Index of the scene's camera that it follows, which animations and variations may move; empty: it follows none.
+  std::optional<uint32_t> sceneCamera{};
   std::string member{};  // its name in its pair or rig, such as left; of nested rigs from the inside to the outside
 };
 

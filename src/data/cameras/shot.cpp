@@ -77,8 +77,8 @@ void makeSequence(std::vector<Shot>& shots, const std::vector<double>& seconds) 
 }
 
 JobCamera toJobCamera(const Shot& shot, const scene::Scene& scene) {
-  JobCamera camera{shot.optics,   shot.name,     shot.width,        shot.height,
-                   shot.sequence, shot.exposure, shot.followsScene, shot.member};
+  JobCamera camera{shot.optics,   shot.name,     shot.width,       shot.height,
+                   shot.sequence, shot.exposure, shot.sceneCamera, shot.member};
   camera.camera.name = shot.name;
   camera.camera.toWorld = render::toWorldFromOpenCv(shot.pose, scene);
   return camera;

@@ -16,8 +16,8 @@ struct Shot {
   uint32_t width = 0, height = 0;  // in pixels; 0: the job's size
   std::optional<SequencePosition> sequence{};
   CameraExposure exposure{};
-  bool followsScene = false;
-  std::string member{};  // as in JobCamera
+  std::optional<uint32_t> sceneCamera{};  // as in JobCamera
+  std::string member{};                   // as in JobCamera
 };
 
 // Makes the shots of one source a sequence, in their order. Shots whose names are in different folders form different

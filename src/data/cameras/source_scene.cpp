@@ -22,7 +22,7 @@ std::vector<Shot> shotsOfScene(Spec& spec, const CameraContext& context) {
   std::vector<Shot> shots;
   const auto add = [&](const scene::Camera& camera) {
     shots.push_back(toShot(camera, context.scene));
-    shots.back().followsScene = true;
+    shots.back().sceneCamera = static_cast<uint32_t>(&camera - cameras.data());
   };
   if (!spec.has("names")) {
     for (const scene::Camera& camera : cameras) add(camera);

@@ -1,4 +1,5 @@
-// The variation "transforms": random translation, rotation and scale of nodes.
+// The variation "transforms": random translation, rotation and scale of nodes. The instances and lights of moved nodes
+// are moved here; cameras are moved by CameraTimeline::follow().
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,6 +25,7 @@ class Transforms : public Variation {
     nodes_ = selectNodes(spec, "nodes", scene);
     above_ = selectedAbove(scene, nodes_);
     findMoved(scene);
+    findLights(scene);
     if (spec.has("translation")) translation_ = spec.corners("translation");
     if (spec.has("rotation")) rotation_ = spec.interval("rotation");
     axis_ = spec.has("axis") ? spec.vector("axis") : upOf(scene);
@@ -37,8 +39,9 @@ class Transforms : public Variation {
   Json draw(const Draw& draw, Draft& draft) const override {
     Json record{{"nodes", Json::array()}};
     std::map<uint32_t, dmat4> changes;  // transforms in the world, by node
-    for (const uint32_t node : nodes_) changes[node] = change(draw, node, draft.scene, record["nodes"].emplace_back());
+    for (const uint32_t node : nodes_) changes[node] = change(draw, node, draft, record["nodes"].emplace_back());
     moveNodes(changes, draft);
+    moveLights(draft);
     for (uint32_t i = 0; i < above_.size(); ++i) {
       if (above_[i].empty()) continue;
       dmat4 toWorld(draft.transform(i));
@@ -60,17 +63,35 @@ class Transforms : public Variation {
     }
   }
 
+  // Finds the lights of the nodes that findMoved() has found.
+  void findLights(const scene::Scene& scene) {
+    std::vector<bool> isMoved(scene.nodes.size());
+    for (const auto& [node, above] : moved_) isMoved[node] = true;
+    for (uint32_t i = 0; i < scene.lights.size(); ++i) {
+      const scene::Light& light = scene.lights[i];
+      if (!light.removed && light.node >= 0 && isMoved[static_cast<size_t>(light.node)]) lights_.push_back(i);
+    }
+  }
+
   // `changes`: transforms in the world, by selected node.
   void moveNodes(std::map<uint32_t, dmat4>& changes, Draft& draft) const {
     for (const auto& [node, above] : moved_) {
-      dmat4& toWorld = draft.movedNodes.try_emplace(node, draft.scene.nodes[node].toWorld).first->second;
+      dmat4& toWorld = draft.nodeToWorld(node);
       for (const uint32_t each : above) toWorld = changes[each] * toWorld;
     }
   }
 
-  // Returns a random transform in the world. It rotates and scales about the node's origin, along the axes of the
-  // file's frame.
-  dmat4 change(const Draw& draw, uint32_t index, const scene::Scene& scene, Json& record) const {
+  // Lights that jitter has moved no longer follow a node.
+  void moveLights(Draft& draft) const {
+    for (const uint32_t i : lights_)
+      if (scene::Light& light = draft.light(i); light.node >= 0)
+        scene::placeLight(light, scene::toGltfFromWorld() * draft.nodeToWorld(static_cast<uint32_t>(light.node)));
+  }
+
+  // Returns a random transform in the world. It rotates and scales about the node's current origin, along the axes of
+  // the file's frame.
+  dmat4 change(const Draw& draw, uint32_t index, Draft& draft, Json& record) const {
+    const scene::Scene& scene = draft.scene;
     const auto random = [&](const char* what) { return draw.of(fmt::format("{}/{}/{}", path_, index, what)); };
     record["node"] = scene.nodes[index].path;
     dmat4 moved(1);
@@ -87,7 +108,7 @@ class Transforms : public Variation {
       for (int axis = 0; axis < 3; ++axis) moved[axis] *= scale;
       record["scale"] = scale;
     }
-    const dvec3 origin(fileFromWorld(scene) * dvec4(scene.nodes[index].toWorld[3]));
+    const dvec3 origin(fileFromWorld(scene) * draft.nodeToWorld(index)[3]);
     moved[3] = dvec4(origin + translation - dvec3(moved * dvec4(origin, 0)), 1);
     return worldFromFile(scene) * moved * fileFromWorld(scene);
   }
@@ -96,6 +117,7 @@ class Transforms : public Variation {
   std::vector<uint32_t> nodes_;
   std::vector<std::vector<uint32_t>> above_;                       // by instance
   std::vector<std::pair<uint32_t, std::vector<uint32_t>>> moved_;  // nodes, each with those of nodes_ that move it
+  std::vector<uint32_t> lights_;                                   // of the nodes in moved_
   std::optional<Spec::Corners> translation_;
   std::optional<Interval> rotation_, scale_;
   dvec3 axis_{0};

@@ -47,6 +47,9 @@ struct Draft {
   scene::dmat4& transform(uint32_t index) {
     return transforms.try_emplace(index, scene.instances[index].toWorld).first->second;
   }
+  scene::dmat4& nodeToWorld(uint32_t index) {
+    return movedNodes.try_emplace(index, scene.nodes[index].toWorld).first->second;
+  }
 };
 
 // The random numbers of one variation: a separate stream for each named quantity.

@@ -113,6 +113,9 @@ void Variations::Impl::change(const Draft& draft) {
   for (const auto& [index, light] : draft.lights) {
     lights.try_emplace(index, scene.lights[index]);
     scene::setLight(scene, index, light);
+    // Animations no longer move the light. In other scenes it stays at its node, for files of the frame's scene.
+    const bool isMoved = light.node >= 0 && draft.movedNodes.contains(static_cast<uint32_t>(light.node));
+    if (isMoved && scene.rig.isAnimated()) scene.lights[index].node = -1;
   }
   for (const auto& [index, toWorld] : draft.transforms) {
     transforms.try_emplace(index, scene.instances[index].toWorld);

@@ -34,7 +34,7 @@ class Variations {
   // before apply().
   output::IdManifest idsOfAll() const;
   // The transforms in the world of the nodes that the applied variation moves, with those below them. Their instances
-  // are moved already; the scene's nodes stay.
+  // and lights are moved already; the scene's nodes and cameras stay.
   const std::map<uint32_t, scene::dmat4>& movedNodes() const;
   // The environment of the applied variation: a file, "studio" or "none"; empty: the job's own.
   const std::string& environment() const;
