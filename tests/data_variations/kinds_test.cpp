@@ -396,5 +396,29 @@ TEST(VisibilityTest, LeavesExactlySoMany) {
   for (const auto& [path, times] : seen) EXPECT_NEAR(times, 150, 35) << path;  // 3.6 standard deviations
 }
 
+// Returns the paths of the nodes that are rendered in the first variation.
+std::set<std::string> shownNodes(const std::string& entries, Json& record) {
+  Varied varied("[" + entries + "]");
+  record = varied.variations.apply(0);
+  std::set<std::string> shown;
+  for (const scene::Instance& instance : varied.scene.instances)
+    if (!instance.removed) shown.insert(varied.scene.nodes[instance.node].path);
+  return shown;
+}
+
+// The last entry that selects a node decides; a node is rendered if all nodes above it are visible, too.
+TEST(VisibilityTest, IsThatOfTheLastEntry) {
+  const std::string hideAll = R"({"type": "visibility", "nodes": "/boxes/*", "visible": 0})",
+                    showMatte = R"({"type": "visibility", "nodes": "matte", "visible": 1})",
+                    hideMatte = R"({"type": "visibility", "nodes": "matte", "visible": 0})",
+                    hideRoot = R"({"type": "visibility", "nodes": "/boxes", "visible": 0})";
+  Json record;
+  EXPECT_THAT(shownNodes(hideAll + "," + showMatte, record), testing::ElementsAre("/boxes/matte"));
+  EXPECT_EQ(record[1]["visible"], Json({"/boxes/matte"}));
+  EXPECT_TRUE(shownNodes(showMatte + "," + hideAll, record).empty());
+  EXPECT_EQ(shownNodes(hideMatte, record).size(), 7u);
+  EXPECT_TRUE(shownNodes(hideRoot + "," + showMatte, record).empty());
+}
+
 }  // namespace
 }  // namespace latelight::data::test

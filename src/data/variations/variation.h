@@ -32,7 +32,7 @@ struct Draft {
   std::map<uint32_t, scene::Light> lights;
   std::map<uint32_t, scene::dmat4> transforms;  // by instance
   std::map<uint32_t, scene::dmat4> movedNodes;  // transforms in the world, by node
-  std::set<uint32_t> hidden;                    // instances
+  std::set<uint32_t> hiddenNodes;               // with all nodes below them
   std::vector<scene::Light> addedLights;
   std::vector<AddedObject> addedObjects;
   std::vector<OrientedBox> taken;  // boxes of added objects, in the world

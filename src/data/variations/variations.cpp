@@ -7,6 +7,7 @@
 #include <ranges>
 
 #include "base/error.h"
+#include "data/variations/pattern.h"
 #include "data/variations/variation.h"
 #include "render/submit/id_manifest.h"
 #include "scene/edit_slots.h"
@@ -90,6 +91,7 @@ struct Variations::Impl {
 
   void takeBack();
   void change(const Draft& draft);
+  void hide(const std::set<uint32_t>& nodes);
 };
 
 // Undoes change() in reverse order, so that the free slots in the scene's lists are restored. Elements added next then
@@ -125,13 +127,20 @@ void Variations::Impl::change(const Draft& draft) {
   for (const AddedObject& object : draft.addedObjects)
     for (const uint32_t instance : scene::addObject(scene, object.parts, object.name))
       addedInstances.push_back(instance);
-  for (const uint32_t instance : draft.hidden) {
-    scene::removeInstance(scene, instance);
-    hidden.push_back(instance);
-  }
+  hide(draft.hiddenNodes);
   movedNodes = draft.movedNodes;
   environment = draft.environment;
   environmentRotation = draft.environmentRotation;
+}
+
+void Variations::Impl::hide(const std::set<uint32_t>& nodes) {
+  if (nodes.empty()) return;
+  const auto above = selectedAbove(scene, {nodes.begin(), nodes.end()});
+  for (uint32_t instance = 0; instance < above.size(); ++instance) {
+    if (above[instance].empty()) continue;
+    scene::removeInstance(scene, instance);
+    hidden.push_back(instance);
+  }
 }
 
 Variations::Variations(const Json& spec, scene::Scene& scene, uint64_t seed)

@@ -19,7 +19,6 @@ class Visibility : public Variation {
  public:
   Visibility(Spec& spec, const scene::Scene& scene) : path_(spec.path()) {
     nodes_ = selectNodes(spec, "nodes", scene);
-    above_ = selectedAbove(scene, nodes_);
     if (spec.has("probability") == spec.has("visible"))
       badUsage("{} needs either \"probability\" or \"visible\"", path_);
     if (spec.has("probability")) probability_ = spec.number("probability", {0, 1});
@@ -30,8 +29,11 @@ class Visibility : public Variation {
     const std::set<uint32_t> seen = visible_ ? chosen(draw) : drawIndependently(draw);
     Json record{{"visible", Json::array()}};
     for (const uint32_t node : seen) record["visible"].push_back(draft.scene.nodes[node].path);
-    for (uint32_t i = 0; i < above_.size(); ++i)
-      if (!std::ranges::all_of(above_[i], [&](uint32_t node) { return seen.contains(node); })) draft.hidden.insert(i);
+    for (const uint32_t node : nodes_)
+      if (seen.contains(node))
+        draft.hiddenNodes.erase(node);
+      else
+        draft.hiddenNodes.insert(node);
     return record;
   }
 
@@ -52,7 +54,6 @@ class Visibility : public Variation {
 
   std::string path_;
   std::vector<uint32_t> nodes_;
-  std::vector<std::vector<uint32_t>> above_;  // by instance
   double probability_ = 0;
   std::optional<Spec::Counts> visible_;
 };
