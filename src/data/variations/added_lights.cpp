@@ -104,8 +104,8 @@ class AddedLights : public Variation {
 
 }  // namespace
 
-std::unique_ptr<Variation> addLights(Spec& spec, const scene::LoadOptions& /*load*/, scene::Scene& scene) {
-  return std::make_unique<AddedLights>(spec, scene);
+std::unique_ptr<Variation> addLights(Spec& spec, const VariationContext& context) {
+  return std::make_unique<AddedLights>(spec, context.scene);
 }
 
 }  // namespace latelight::data

@@ -56,7 +56,7 @@ std::vector<std::filesystem::path> environmentsFiles(const nlohmann::ordered_jso
   return files;
 }
 
-std::unique_ptr<Variation> varyEnvironments(Spec& spec, const scene::LoadOptions& /*load*/, scene::Scene&) {
+std::unique_ptr<Variation> varyEnvironments(Spec& spec, const VariationContext& /*context*/) {
   return std::make_unique<Environments>(spec);
 }
 

@@ -72,8 +72,8 @@ class Lights : public Variation {
 
 }  // namespace
 
-std::unique_ptr<Variation> varyLights(Spec& spec, const scene::LoadOptions& /*load*/, scene::Scene& scene) {
-  return std::make_unique<Lights>(spec, scene);
+std::unique_ptr<Variation> varyLights(Spec& spec, const VariationContext& context) {
+  return std::make_unique<Lights>(spec, context.scene);
 }
 
 }  // namespace latelight::data

@@ -53,8 +53,8 @@ class Materials : public Variation {
 
 }  // namespace
 
-std::unique_ptr<Variation> varyMaterials(Spec& spec, const scene::LoadOptions& /*load*/, scene::Scene& scene) {
-  return std::make_unique<Materials>(spec, scene);
+std::unique_ptr<Variation> varyMaterials(Spec& spec, const VariationContext& context) {
+  return std::make_unique<Materials>(spec, context.scene);
 }
 
 }  // namespace latelight::data

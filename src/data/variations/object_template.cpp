@@ -41,12 +41,13 @@ std::vector<scene::ObjectPart> takeIn(scene::Scene& other, scene::Scene& scene) 
 
 }  // namespace
 
-ObjectTemplate readTemplate(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene) {
+ObjectTemplate readTemplate(Spec& spec, const VariationContext& context) {
+  scene::Scene& scene = context.scene;
   if (spec.has("node") == spec.has("file")) badUsage("{} needs either \"node\" or \"file\"", spec.path());
   ObjectTemplate object;
   if (spec.has("file")) {
     object.name = spec.text("file");
-    scene::Scene file = scene::load(object.name, load);
+    scene::Scene file = scene::load(object.name, context.load);
     object.parts = takeIn(file, scene);
     object.memory = std::move(file.memory);
   } else {

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "data/spec.h"
 #include "data/variations/oriented_box.h"
+#include "data/variations/variation.h"
 #include "scene/edit.h"
 
 namespace latelight::data {
@@ -19,6 +20,6 @@ struct ObjectTemplate {
 };
 
 // Reads {"node": ...} or {"file": ...}. The meshes, materials and textures of a file are added to the scene.
-ObjectTemplate readTemplate(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene);
+ObjectTemplate readTemplate(Spec& spec, const VariationContext& context);
 
 }  // namespace latelight::data

@@ -28,8 +28,9 @@ constexpr uint64_t kMaxObjects = 1'000'000;
 
 class Scatter : public Variation {
  public:
-  Scatter(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene) : path_(spec.path()) {
-    for (Spec& object : spec.objects("objects")) templates_.push_back(readTemplate(object, load, scene));
+  Scatter(Spec& spec, const VariationContext& context) : path_(spec.path()) {
+    const scene::Scene& scene = context.scene;
+    for (Spec& object : spec.objects("objects")) templates_.push_back(readTemplate(object, context));
     count_ = spec.counts("count", kMaxObjects);
     if (spec.has("on") == spec.has("min")) badUsage("{} needs either \"on\", a node, or \"min\" and \"max\"", path_);
     if (spec.has("on"))
@@ -161,8 +162,8 @@ std::vector<std::filesystem::path> scatterFiles(const Json& value) {
   return files;
 }
 
-std::unique_ptr<Variation> scatterObjects(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene) {
-  return std::make_unique<Scatter>(spec, load, scene);
+std::unique_ptr<Variation> scatterObjects(Spec& spec, const VariationContext& context) {
+  return std::make_unique<Scatter>(spec, context);
 }
 
 }  // namespace latelight::data

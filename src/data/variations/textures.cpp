@@ -103,8 +103,8 @@ std::vector<fs::path> texturesFiles(const Json& value) {
   return all;
 }
 
-std::unique_ptr<Variation> varyTextures(Spec& spec, const scene::LoadOptions& /*load*/, scene::Scene& scene) {
-  return std::make_unique<Textures>(spec, scene);
+std::unique_ptr<Variation> varyTextures(Spec& spec, const VariationContext& context) {
+  return std::make_unique<Textures>(spec, context.scene);
 }
 
 }  // namespace latelight::data

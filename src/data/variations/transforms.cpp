@@ -125,8 +125,8 @@ class Transforms : public Variation {
 
 }  // namespace
 
-std::unique_ptr<Variation> varyTransforms(Spec& spec, const scene::LoadOptions& /*load*/, scene::Scene& scene) {
-  return std::make_unique<Transforms>(spec, scene);
+std::unique_ptr<Variation> varyTransforms(Spec& spec, const VariationContext& context) {
+  return std::make_unique<Transforms>(spec, context.scene);
 }
 
 }  // namespace latelight::data

@@ -68,25 +68,30 @@ class Variation {
   virtual std::vector<AddedObject> possibleObjects() const { return {}; }
 };
 
+// The inputs of all kinds.
+struct VariationContext {
+  scene::Scene& scene;             // kinds may add meshes, materials and textures
+  const scene::LoadOptions& load;  // options for files with further scenes
+};
+
 struct VariationKind {
   std::string_view name, description;  // name: the value of "type"
-  // Creates a variation. It reads every key that the kind accepts, so that all other keys can be rejected, and may add
-  // meshes, materials and textures to the scene, with these options for files.
-  std::unique_ptr<Variation> (*make)(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene);
+  // Creates a variation. It reads every key that the kind accepts, so that all other keys can be rejected.
+  std::unique_ptr<Variation> (*make)(Spec& spec, const VariationContext& context);
   // Returns the files that a variation of this value of the job reads, in an order that depends only on the value and
   // the files' names. Values that `make` would reject have no files. Null: the kind reads none.
   std::vector<std::filesystem::path> (*files)(const nlohmann::ordered_json& value) = nullptr;
 };
 std::span<const VariationKind> variationKinds();
 
-std::unique_ptr<Variation> varyMaterials(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene);
-std::unique_ptr<Variation> varyTextures(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene);
-std::unique_ptr<Variation> varyLights(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene);
-std::unique_ptr<Variation> addLights(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene);
-std::unique_ptr<Variation> varyEnvironments(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene);
-std::unique_ptr<Variation> varyTransforms(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene);
-std::unique_ptr<Variation> varyVisibility(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene);
-std::unique_ptr<Variation> scatterObjects(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene);
+std::unique_ptr<Variation> varyMaterials(Spec& spec, const VariationContext& context);
+std::unique_ptr<Variation> varyTextures(Spec& spec, const VariationContext& context);
+std::unique_ptr<Variation> varyLights(Spec& spec, const VariationContext& context);
+std::unique_ptr<Variation> addLights(Spec& spec, const VariationContext& context);
+std::unique_ptr<Variation> varyEnvironments(Spec& spec, const VariationContext& context);
+std::unique_ptr<Variation> varyTransforms(Spec& spec, const VariationContext& context);
+std::unique_ptr<Variation> varyVisibility(Spec& spec, const VariationContext& context);
+std::unique_ptr<Variation> scatterObjects(Spec& spec, const VariationContext& context);
 
 std::vector<std::filesystem::path> texturesFiles(const nlohmann::ordered_json& value);
 std::vector<std::filesystem::path> environmentsFiles(const nlohmann::ordered_json& value);

@@ -29,8 +29,7 @@ constexpr VariationKind kKinds[] = {
     {"scatter", "objects on a surface or in a volume, without overlap", scatterObjects, scatterFiles},
 };
 
-std::unique_ptr<Variation> makeVariation(const Json& value, const std::string& path, const scene::LoadOptions& load,
-                                         scene::Scene& scene) {
+std::unique_ptr<Variation> makeVariation(const Json& value, const std::string& path, const VariationContext& context) {
   Spec spec(value, path);
   const std::string type = spec.text("type");
   const auto kind = std::ranges::find(kKinds, type, &VariationKind::name);
@@ -39,7 +38,7 @@ std::unique_ptr<Variation> makeVariation(const Json& value, const std::string& p
     for (const VariationKind& known : kKinds) names.push_back(known.name);
     badUsage("{}.type must be one of {}, not \"{}\"", path, fmt::join(names, ", "), type);
   }
-  std::unique_ptr<Variation> variation = kind->make(spec, load, scene);
+  std::unique_ptr<Variation> variation = kind->make(spec, context);
   spec.finish();
   return variation;
 }
@@ -148,7 +147,7 @@ Variations::Variations(const Json& spec, scene::Scene& scene, uint64_t seed)
   if (!spec.is_null() && !spec.is_array()) badUsage("variations must be a list of objects, not {}", shown(spec));
   const scene::LoadOptions load{.tangents = addsNormalMaps(spec)};
   for (size_t i = 0; i < spec.size(); ++i) {
-    std::unique_ptr<Variation> variation = makeVariation(spec[i], fmt::format("variations[{}]", i), load, scene);
+    std::unique_ptr<Variation> variation = makeVariation(spec[i], fmt::format("variations[{}]", i), {scene, load});
     impl_->entries.push_back({spec[i]["type"].get<std::string>(), std::move(variation)});
   }
 }

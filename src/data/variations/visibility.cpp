@@ -60,8 +60,8 @@ class Visibility : public Variation {
 
 }  // namespace
 
-std::unique_ptr<Variation> varyVisibility(Spec& spec, const scene::LoadOptions& /*load*/, scene::Scene& scene) {
-  return std::make_unique<Visibility>(spec, scene);
+std::unique_ptr<Variation> varyVisibility(Spec& spec, const VariationContext& context) {
+  return std::make_unique<Visibility>(spec, context.scene);
 }
 
 }  // namespace latelight::data
