@@ -158,5 +158,65 @@ TEST(ScatterTest, TakesWholeFilesAsOneObject) {
   EXPECT_LT(nearest, 1e-5);
 }
 
+// A triangle at (3, 0, 0) with a point light 2 m above it, a spot light that shines along X, a disk, the sun, and a
+// hidden lamp.
+void writeLamp(const Folder& folder) {
+  const float corners[] = {-0.5f, 0, -0.5f, 0.5f, 0, -0.5f, 0, 0, 0.5f};
+  folder.write("lamp.bin", std::string_view(reinterpret_cast<const char*>(corners), sizeof(corners)));
+  folder.write("lamp.gltf", std::string_view(R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+    "extensionsUsed": ["KHR_lights_punctual", "KHR_node_visibility"],
+    "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "name": "bulb", "intensity": 7},
+      {"type": "spot", "name": "spot", "spot": {}}, {"type": "directional", "name": "sun"}]}},
+    "nodes": [{"name": "lamp", "mesh": 0, "translation": [3, 0, 0], "children": [1, 2, 3, 4, 5]},
+              {"translation": [0, 2, 0], "extensions": {"KHR_lights_punctual": {"light": 0}}},
+              {"rotation": [0, -0.70710678, 0, 0.70710678], "extensions": {"KHR_lights_punctual": {"light": 1}}},
+              {"extensions": {"KHR_lights_punctual": {"light": 2}}},
+              {"extensions": {"KHR_node_visibility": {"visible": false}, "KHR_lights_punctual": {"light": 0}},
+               "mesh": 0},
+              {"extras": {"areaLight": {"type": "disk", "name": "disk", "intensity": 5, "size": 1}}}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "buffers": [{"uri": "lamp.bin", "byteLength": 36}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-0.5, 0, -0.5],
+                   "max": [0.5, 0, 0.5]}]})"));
+}
+
+// Expects `count` copies of the lamp after the lights that the scene has by itself. Their place is that of their mesh,
+// which is turned by 90 degrees about the world's Z, from X to Y, and scaled by 2.
+void expectLampsLit(const scene::Scene& scene, size_t firstLight, size_t count) {
+  std::vector<dvec3> places;
+  for (const scene::Instance& instance : scene.instances)
+    if (!instance.removed && scene.nodes[instance.node].added > 0) places.emplace_back(instance.toWorld[3]);
+  std::map<std::string, std::vector<scene::Light>> lights;
+  for (size_t i = firstLight; i < scene.lights.size(); ++i)
+    if (!scene.lights[i].removed) lights[scene.lights[i].name].push_back(scene.lights[i]);
+  ASSERT_EQ(places.size(), count);
+  EXPECT_EQ(lights.size(), 3u);
+  for (const char* name : {"bulb", "spot", "disk"}) ASSERT_EQ(lights[name].size(), count) << name;
+  for (size_t i = 0; i < count; ++i) {
+    EXPECT_LE(glm::length(lights["bulb"][i].position - (places[i] + dvec3(0, 0, 4))), 1e-5);
+    EXPECT_EQ(lights["bulb"][i].intensity, 7);
+    EXPECT_EQ(lights["bulb"][i].node, -1);
+    EXPECT_LE(glm::length(lights["spot"][i].position - places[i]), 1e-5);
+    EXPECT_LE(glm::length(lights["spot"][i].direction - glm::vec3(0, 1, 0)), 1e-5f);
+    EXPECT_LE(glm::length(lights["disk"][i].axes[0] - glm::vec3(0, 2, 0)), 1e-5f);
+  }
+}
+
+TEST(ScatterTest, CopiesHaveTheirLights) {
+  const Folder folder;
+  writeLamp(folder);
+  const std::string source = folder.at("lamp.gltf"),
+                    rest = R"(, "count": 2, "min": [-9, 5, -9], "max": [9, 9, 9], "turn": 90, "scale": 2}])";
+  Varied file(R"([{"type": "scatter", "objects": [{"file": ")" + source + "\"}]" + rest);
+  Varied node(R"([{"type": "scatter", "objects": [{"node": "lamp"}])" + rest, source);
+  const size_t ownLights = file.scene.lights.size();
+  for (uint64_t n = 0; n < 3; ++n) {
+    file.variations.apply(n);
+    expectLampsLit(file.scene, ownLights, 2);
+    node.variations.apply(n);
+    expectLampsLit(node.scene, 5, 2);
+  }
+}
+
 }  // namespace
 }  // namespace latelight::data::test

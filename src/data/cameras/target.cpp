@@ -8,20 +8,24 @@ namespace latelight::data {
 
 using glm::dvec3;
 
-std::vector<uint32_t> instancesBelow(const scene::Scene& scene, const std::string& node, const std::string& path) {
+std::vector<bool> nodesBelow(const scene::Scene& scene, const std::string& node, const std::string& path) {
   std::vector<bool> below(scene.nodes.size());
   bool known = false;
-  const auto isBelow = [&](uint32_t number) {
-    for (int at = static_cast<int>(number); at >= 0; at = scene.nodes[static_cast<size_t>(at)].parent)
-      if (below[static_cast<size_t>(at)]) return true;
-    return false;
-  };
-  for (size_t i = 0; i < scene.nodes.size(); ++i)
-    if (scene.nodes[i].path == node || scene.nodes[i].name == node) known = below[i] = true;
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {  // parents first
+    const scene::Node& each = scene.nodes[i];
+    const bool isNamed = each.path == node || each.name == node;
+    known |= isNamed;
+    below[i] = isNamed || (each.parent >= 0 && below[static_cast<size_t>(each.parent)]);
+  }
   if (!known) badUsage("{}: {} has no node \"{}\"", path, scene.source, node);
+  return below;
+}
+
+std::vector<uint32_t> instancesBelow(const scene::Scene& scene, const std::string& node, const std::string& path) {
+  const std::vector<bool> below = nodesBelow(scene, node, path);
   std::vector<uint32_t> instances;
   for (uint32_t i = 0; i < scene.instances.size(); ++i)
-    if (isShown(scene, {}, scene.instances[i]) && isBelow(scene.instances[i].node)) instances.push_back(i);
+    if (isShown(scene, {}, scene.instances[i]) && below[scene.instances[i].node]) instances.push_back(i);
   return instances;
 }
 

@@ -9,8 +9,9 @@
 
 namespace latelight::data {
 
-// Returns the indices of the shown instances at or below any node with this name or path. Throws Error(Usage) whose
-// message begins with `path` if there is no such node.
+// Return for each node of the scene if it is any node with this name or path or below it, and the indices of the shown
+// instances of these nodes. Throw Error(Usage) whose message begins with `path` if there is no such node.
+std::vector<bool> nodesBelow(const scene::Scene& scene, const std::string& node, const std::string& path);
 std::vector<uint32_t> instancesBelow(const scene::Scene& scene, const std::string& node, const std::string& path);
 
 // Return the bounding box of instances, or of all shown instances, in the scene file's own frame. Throw Error(Usage)

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "data/cameras/target.h"
 #include "scene/load/load.h"
+#include "shared/light.h"
 
 namespace latelight::data {
 
@@ -35,8 +36,22 @@ std::vector<scene::ObjectPart> takeIn(scene::Scene& other, scene::Scene& scene) 
   }
   std::vector<scene::ObjectPart> parts;
   for (const scene::Instance& instance : other.instances)
-    parts.push_back({meshes[instance.mesh], materials[instance.material], instance.toWorld});
+    if (isShown(other, {}, instance))
+      parts.push_back({meshes[instance.mesh], materials[instance.material], instance.toWorld});
   return parts;
+}
+
+// Returns the lights that copies of an object have: those of the nodes in `nodes`, or all if it is empty. Directional
+// lights are left out, because they have no place and would light the whole scene once per copy.
+std::vector<scene::Light> lightsOf(const scene::Scene& scene, const std::vector<bool>& nodes = {}) {
+  std::vector<scene::Light> lights;
+  for (const scene::Light& light : scene.lights) {
+    const bool isIncluded = nodes.empty() || (light.node >= 0 && nodes[static_cast<size_t>(light.node)]);
+    if (light.removed || light.hidden || shared::lightIsDirectional(light.type) || !isIncluded) continue;
+    lights.push_back(light);
+    lights.back().node = -1;
+  }
+  return lights;
 }
 
 }  // namespace
@@ -48,10 +63,12 @@ ObjectTemplate readTemplate(Spec& spec, const VariationContext& context) {
   if (spec.has("file")) {
     object.name = spec.text("file");
     scene::Scene file = scene::load(object.name, context.load);
+    object.lights = lightsOf(file);
     object.parts = takeIn(file, scene);
     object.memory = std::move(file.memory);
   } else {
     object.name = spec.text("node");
+    object.lights = lightsOf(scene, nodesBelow(scene, object.name, spec.pathOf("node")));
     for (const uint32_t number : instancesBelow(scene, object.name, spec.pathOf("node"))) {
       const scene::Instance& instance = scene.instances[number];
       object.parts.push_back({instance.mesh, instance.material, instance.toWorld});

@@ -1,5 +1,5 @@
-// A template for scattered objects: meshes and materials, from a node of the scene or from another file, and their
-// bounding box.
+// A template for scattered objects: meshes, materials and lights, from a node of the scene or from another file, and
+// the bounding box of the meshes.
 #pragma once
 
 #include <vector>
@@ -15,8 +15,9 @@ namespace latelight::data {
 struct ObjectTemplate {
   std::string name;  // the file or node, as named in the job
   std::vector<scene::ObjectPart> parts;
-  OrientedBox box;     // axis-aligned in the world, around all vertices
-  MemoryClaim memory;  // for the data that a file adds to the scene
+  std::vector<scene::Light> lights;  // in the world, without nodes; none is directional
+  OrientedBox box;                   // axis-aligned in the world, around all vertices
+  MemoryClaim memory;                // for the data that a file adds to the scene
 };
 
 // Reads {"node": ...} or {"file": ...}. The meshes, materials and textures of a file are added to the scene.

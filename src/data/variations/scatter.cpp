@@ -26,6 +26,14 @@ using glm::dmat4, glm::dvec3, glm::dvec4;
 
 constexpr uint64_t kMaxObjects = 1'000'000;
 
+// Returns a light that a transform in the world has moved. As below a scaled node of glTF, its intensity stays.
+scene::Light moved(scene::Light light, const dmat4& transform) {
+  light.position = dvec3(transform * dvec4(light.position, 1));
+  light.direction = glm::vec3(glm::normalize(dvec3(transform * dvec4(light.direction, 0))));
+  light.axes = glm::mat3(glm::dmat3(transform) * glm::dmat3(light.axes));
+  return light;
+}
+
 class Scatter : public Variation {
  public:
   Scatter(Spec& spec, const VariationContext& context) : path_(spec.path()) {
@@ -61,6 +69,7 @@ class Scatter : public Variation {
       added.name = nameOf(i);
       for (const scene::ObjectPart& part : object.parts)
         added.parts.push_back({part.mesh, part.material, *place * part.toWorld});
+      for (const scene::Light& light : object.lights) draft.addedLights.push_back(moved(light, *place));
       draft.taken.push_back(transformed(object.box, *place));
       record["objects"].push_back(describe(added.name, object, *place, draft.scene));
     }
