@@ -218,5 +218,57 @@ TEST(ScatterTest, CopiesHaveTheirLights) {
   }
 }
 
+// Returns the height in meters of a scattered tetrahedron that is 1 long along X, 2 along Y and 3 along Z.
+double scatteredHeight(const std::string& keys, const scene::LoadOptions& load) {
+  const Folder folder;
+  folder.write("tall.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  scene::Scene scene = scene::load("builtin:boxes");
+  Variations variations(Json::parse(R"([{"type": "scatter", "objects": [{"file": ")" + folder.at("tall.obj") + "\"" +
+                                    keys + R"(}], "count": 1, "min": [-9, 0, -9], "max": [9, 9, 9]}])"),
+                        scene, 1, load);
+  variations.apply(0);
+  double height = 0;
+  for (const scene::Instance& instance : scene.instances) {
+    if (instance.removed || scene.nodes[instance.node].added == 0) continue;
+    double low = 1e9, high = -1e9;
+    for (const glm::vec3& p : scene.meshes[instance.mesh].positions) {
+      const double z = dvec3(instance.toWorld * dvec4(p, 1)).z;
+      low = std::min(low, z), high = std::max(high, z);
+    }
+    height = high - low;
+  }
+  return height;
+}
+
+TEST(ScatterTest, FilesHaveTheJobsUnitAndAxesOrTheirOwn) {
+  EXPECT_NEAR(scatteredHeight("", {}), 2, 1e-6);
+  EXPECT_NEAR(scatteredHeight("", {.unit = "cm"}), 0.02, 1e-6);
+  EXPECT_NEAR(scatteredHeight("", {.upAxis = "z"}), 3, 1e-6);
+  EXPECT_NEAR(scatteredHeight(R"(, "unit": "ft")", {.unit = "cm"}), 0.6096, 1e-6);
+  EXPECT_NEAR(scatteredHeight(R"(, "up-axis": "y")", {.unit = "cm", .upAxis = "z"}), 0.02, 1e-6);
+}
+
+// They define their unit and axes.
+TEST(ScatterTest, BuiltInScenesIgnoreTheJobsUnit) {
+  scene::Scene scene = scene::load("builtin:boxes");
+  const Json spec = Json::parse(R"([{"type": "scatter", "objects": [{"file": "builtin:spheres"}], "count": 1,
+                                     "on": "floor", "scale": 0.1}])");
+  EXPECT_NO_THROW(Variations(spec, scene, 1, {.unit = "cm", .upAxis = "z", .pointRadius = 0.1f}));
+}
+
+TEST(ScatterTest, PointsHaveTheRadiusOfTheirFile) {
+  const Folder folder;
+  folder.write("points.ply",
+               "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+               "end_header\n0 0 0\n");
+  Json spec = Json::parse(R"([{"type": "scatter", "objects": [{"file": ")" + folder.at("points.ply") +
+                          R"(", "point-radius": 0.5}], "count": 1, "min": [-9, 0, -9], "max": [9, 9, 9]}])");
+  scene::Scene scene = scene::load("builtin:boxes");
+  Variations variations(spec, scene, 1);
+  const scene::Mesh& mesh = scene.meshes.back();
+  EXPECT_NEAR(glm::length(mesh.positions.at(0)), 0.5, 0.01);
+  EXPECT_EQ(variationFiles(spec, {}).size(), 1u);
+}
+
 }  // namespace
 }  // namespace latelight::data::test

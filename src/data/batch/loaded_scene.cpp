@@ -9,7 +9,7 @@ namespace latelight::data {
 LoadedScene::LoadedScene(const Job& job, scene::Scene scene)
     : job_(job), scene_(std::move(scene)), cameras_(job, scene_) {
   if (job.variations.is_null()) return;
-  variations_.emplace(job.variations, scene_, job.seed);
+  variations_.emplace(job.variations, scene_, job.seed, job.load);
   if (std::ranges::any_of(job.settings.aovs, output::holdsIds))
     idsOfAll_ = std::make_shared<output::IdManifest>(variations_->idsOfAll());
 }

@@ -111,9 +111,9 @@ void addCameraFiles(const Json& spec, std::vector<std::string>& files) {
 
 // Describes the files that the variations read by their names and contents. Names have no folders, because shards of
 // one set may see the files in different folders.
-Json describeVariationFiles(const Json& variations) {
+Json describeVariationFiles(const Job& job) {
   Json all = Json::array();
-  for (const std::filesystem::path& file : variationFiles(variations)) {
+  for (const std::filesystem::path& file : variationFiles(job.variations, job.load)) {
     std::error_code ignored;  // missing files are reported when the variations are made
     if (!std::filesystem::is_regular_file(file, ignored)) continue;
     all.push_back({file.filename().string(), hashOfFiles({file.string()})});
@@ -167,7 +167,7 @@ Json readSaved(const std::filesystem::path& path) try { return parsed(readFile(p
 }  // namespace
 
 std::vector<std::filesystem::path> filesOfJob(const Job& job) {
-  std::vector<std::filesystem::path> files = variationFiles(job.variations);
+  std::vector<std::filesystem::path> files = variationFiles(job.variations, job.load);
   std::vector<std::string> cameraFiles;
   addCameraFiles(job.cameras, cameraFiles);
   files.insert(files.end(), cameraFiles.begin(), cameraFiles.end());
@@ -183,7 +183,7 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   whole["version"] = version();
   std::error_code ignored;
   if (std::filesystem::is_regular_file(job.hdri, ignored)) whole["hdri-hash"] = hashOfFiles({job.hdri});
-  if (Json files = describeVariationFiles(job.variations); !files.empty()) whole["variation-files"] = std::move(files);
+  if (Json files = describeVariationFiles(job); !files.empty()) whole["variation-files"] = std::move(files);
   jobHash_ = hashOf(whole);
   const bool moves = std::ranges::any_of(job.settings.aovs, output::dependsOnNeighbors);
   std::vector<std::string> cameraFiles;

@@ -49,7 +49,8 @@ class Environments : public Variation {
 
 }  // namespace
 
-std::vector<std::filesystem::path> environmentsFiles(const nlohmann::ordered_json& value) {
+std::vector<std::filesystem::path> environmentsFiles(const nlohmann::ordered_json& value,
+                                                     const scene::LoadOptions& /*load*/) {
   std::vector<std::filesystem::path> files;
   for (const nlohmann::ordered_json& name : value.value("environments", nlohmann::ordered_json()))
     if (name.is_string() && !isBuiltIn(name.get<std::string>())) files.emplace_back(name.get<std::string>());

@@ -54,6 +54,23 @@ std::vector<scene::Light> lightsOf(const scene::Scene& scene, const std::vector<
   return lights;
 }
 
+// The job's options apply to a file that does not define its frame, unless the entry states others.
+scene::LoadOptions optionsFor(Spec& spec, const std::string& file, scene::LoadOptions options) {
+  if (scene::definesFrame(file)) {
+    for (const char* key : {"unit", "up-axis", "point-radius"})
+      if (spec.has(key))
+        badUsage("{} is for .obj, .ply and .stl files: omit it, because {} defines its unit and axes", spec.pathOf(key),
+                 file);
+    options.unit = options.upAxis = "";
+    options.pointRadius.reset();
+    return options;
+  }
+  if (spec.has("unit")) options.unit = spec.choice("unit", {"mm", "cm", "m", "in", "ft"});
+  if (spec.has("up-axis")) options.upAxis = spec.choice("up-axis", {"y", "z"});
+  if (spec.has("point-radius")) options.pointRadius = static_cast<float>(spec.number("point-radius", {1e-6, 1e6}));
+  return options;
+}
+
 }  // namespace
 
 ObjectTemplate readTemplate(Spec& spec, const VariationContext& context) {
@@ -62,7 +79,7 @@ ObjectTemplate readTemplate(Spec& spec, const VariationContext& context) {
   ObjectTemplate object;
   if (spec.has("file")) {
     object.name = spec.text("file");
-    scene::Scene file = scene::load(object.name, context.load);
+    scene::Scene file = scene::load(object.name, optionsFor(spec, object.name, context.load));
     object.lights = lightsOf(file);
     object.parts = takeIn(file, scene);
     object.memory = std::move(file.memory);

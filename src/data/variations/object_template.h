@@ -20,7 +20,8 @@ struct ObjectTemplate {
   MemoryClaim memory;                // for the data that a file adds to the scene
 };
 
-// Reads {"node": ...} or {"file": ...}. The meshes, materials and textures of a file are added to the scene.
+// Reads {"node": ...}, or {"file": ...} with options for the file. The meshes, materials and textures of a file are
+// added to the scene.
 ObjectTemplate readTemplate(Spec& spec, const VariationContext& context);
 
 }  // namespace latelight::data

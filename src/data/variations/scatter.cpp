@@ -159,13 +159,15 @@ class Scatter : public Variation {
 
 }  // namespace
 
-std::vector<std::filesystem::path> scatterFiles(const Json& value) {
+std::vector<std::filesystem::path> scatterFiles(const Json& value, const scene::LoadOptions& load) {
   std::vector<std::filesystem::path> files;
   for (const Json& object : value.value("objects", Json())) {
     const Json file = object.is_object() ? object.value("file", Json()) : Json();
     if (!file.is_string()) continue;
     const auto source = file.get<std::string>();
-    const scene::Scene scene = scene::load(source, {.textures = listsFilesOnlyWithTextures(source)});
+    scene::LoadOptions options{.allowOutside = load.allowOutside, .textures = listsFilesOnlyWithTextures(source)};
+    if (!scene::definesFrame(source)) options.pointRadius = 1;  // required for points; any radius lists the same files
+    const scene::Scene scene = scene::load(source, options);
     files.insert(files.end(), scene.files.begin(), scene.files.end());
   }
   return files;

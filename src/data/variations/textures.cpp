@@ -93,7 +93,7 @@ class Textures : public Variation {
 
 }  // namespace
 
-std::vector<fs::path> texturesFiles(const Json& value) {
+std::vector<fs::path> texturesFiles(const Json& value, const scene::LoadOptions& /*load*/) {
   const Json folder = value.value("folder", Json()), files = value.value("files", Json());
   std::vector<fs::path> all;
   if (folder.is_string())

@@ -80,7 +80,8 @@ struct VariationKind {
   std::unique_ptr<Variation> (*make)(Spec& spec, const VariationContext& context);
   // Returns the files that a variation of this value of the job reads, in an order that depends only on the value and
   // the files' names. Values that `make` would reject have no files. Null: the kind reads none.
-  std::vector<std::filesystem::path> (*files)(const nlohmann::ordered_json& value) = nullptr;
+  std::vector<std::filesystem::path> (*files)(const nlohmann::ordered_json& value,
+                                              const scene::LoadOptions& load) = nullptr;
 };
 std::span<const VariationKind> variationKinds();
 
@@ -93,8 +94,9 @@ std::unique_ptr<Variation> varyTransforms(Spec& spec, const VariationContext& co
 std::unique_ptr<Variation> varyVisibility(Spec& spec, const VariationContext& context);
 std::unique_ptr<Variation> scatterObjects(Spec& spec, const VariationContext& context);
 
-std::vector<std::filesystem::path> texturesFiles(const nlohmann::ordered_json& value);
-std::vector<std::filesystem::path> environmentsFiles(const nlohmann::ordered_json& value);
-std::vector<std::filesystem::path> scatterFiles(const nlohmann::ordered_json& value);
+std::vector<std::filesystem::path> texturesFiles(const nlohmann::ordered_json& value, const scene::LoadOptions& load);
+std::vector<std::filesystem::path> environmentsFiles(const nlohmann::ordered_json& value,
+                                                     const scene::LoadOptions& load);
+std::vector<std::filesystem::path> scatterFiles(const nlohmann::ordered_json& value, const scene::LoadOptions& load);
 
 }  // namespace latelight::data

@@ -49,7 +49,7 @@ std::span<const VariationKind> variationKinds() {
   return kKinds;
 }
 
-std::vector<std::filesystem::path> variationFiles(const Json& spec) {
+std::vector<std::filesystem::path> variationFiles(const Json& spec, const scene::LoadOptions& load) {
   std::vector<std::filesystem::path> files;
   if (!spec.is_array()) return files;
   for (const Json& value : spec) {
@@ -57,7 +57,7 @@ std::vector<std::filesystem::path> variationFiles(const Json& spec) {
       return value.is_object() && value.value("type", Json()) == known.name;
     });
     if (kind == std::end(kKinds) || !kind->files) continue;
-    const std::vector<std::filesystem::path> own = kind->files(value);
+    const std::vector<std::filesystem::path> own = kind->files(value, load);
     files.insert(files.end(), own.begin(), own.end());
   }
   return files;
@@ -142,12 +142,16 @@ void Variations::Impl::hide(const std::set<uint32_t>& nodes) {
   }
 }
 
-Variations::Variations(const Json& spec, scene::Scene& scene, uint64_t seed)
+Variations::Variations(const Json& spec, scene::Scene& scene, uint64_t seed, const scene::LoadOptions& load)
     : impl_(std::make_unique<Impl>(Impl{.scene = scene, .seed = seed})) {
   if (!spec.is_null() && !spec.is_array()) badUsage("variations must be a list of objects, not {}", shown(spec));
-  const scene::LoadOptions load{.tangents = addsNormalMaps(spec)};
+  const scene::LoadOptions ofFiles{.allowOutside = load.allowOutside,
+                                   .unit = load.unit,
+                                   .upAxis = load.upAxis,
+                                   .pointRadius = load.pointRadius,
+                                   .tangents = addsNormalMaps(spec)};
   for (size_t i = 0; i < spec.size(); ++i) {
-    std::unique_ptr<Variation> variation = makeVariation(spec[i], fmt::format("variations[{}]", i), {scene, load});
+    std::unique_ptr<Variation> variation = makeVariation(spec[i], fmt::format("variations[{}]", i), {scene, ofFiles});
     impl_->entries.push_back({spec[i]["type"].get<std::string>(), std::move(variation)});
   }
 }

@@ -22,8 +22,10 @@ bool addsNormalMaps(const nlohmann::ordered_json& spec);
 // materials and textures that variations may use. Nothing else may edit the scene during the lifetime of this object.
 class Variations {
  public:
-  // `spec` is the job's "variations". Throws Error(Usage) that names the invalid key, or a name not found in the scene.
-  Variations(const nlohmann::ordered_json& spec, scene::Scene& scene, uint64_t seed);
+  // `spec` is the job's "variations". The job's options `load` apply to scattered files, except for the variant and the
+  // ids. Throws Error(Usage) that names the invalid key, or a name not found in the scene.
+  Variations(const nlohmann::ordered_json& spec, scene::Scene& scene, uint64_t seed,
+             const scene::LoadOptions& load = {});
   ~Variations();
 
   // Changes the scene to variation `number`, whichever variation was applied before. Returns the drawn values for the
@@ -46,10 +48,10 @@ class Variations {
   std::unique_ptr<Impl> impl_;
 };
 
-// Returns all files that the variations of a job read, without a scene: environments, images, and scattered scenes with
-// the files to which they refer. The order depends only on the job and the files' names. Missing files are included,
-// because the constructor of Variations reports them. Throws Error(BadInput) for folders and scenes that cannot be
-// read.
-std::vector<std::filesystem::path> variationFiles(const nlohmann::ordered_json& spec);
+// Returns all files that the variations of a job with the options `load` read, without a scene: environments, images,
+// and scattered scenes with the files to which they refer. The order depends only on the job and the files' names.
+// Missing files are included, because the constructor of Variations reports them. Throws Error(BadInput) for folders
+// and scenes that cannot be read.
+std::vector<std::filesystem::path> variationFiles(const nlohmann::ordered_json& spec, const scene::LoadOptions& load);
 
 }  // namespace latelight::data

@@ -78,7 +78,7 @@ Format formatOf(const std::string& source) {
   return formatOfContents(source);
 }
 
-// glTF files and built-in scenes define their unit and axes.
+// For scenes that define their unit and axes.
 void refuseFrame(const std::string& source, const LoadOptions& options) {
   if (!options.unit.empty() || !options.upAxis.empty() || options.pointRadius)
     badUsage(
@@ -131,6 +131,12 @@ Scene load(const std::string& source, const LoadOptions& options) {
   Scene scene = source.starts_with(kBuiltin) ? loadBuiltin(source, options) : loadFile(source, options);
   groupIds(scene, options.ids);
   return scene;
+}
+
+bool definesFrame(const std::string& source) {
+  if (source.starts_with(kBuiltin)) return true;
+  const Format format = formatOf(source);
+  return format == Format::Gltf || format == Format::Unknown;
 }
 
 }  // namespace latelight::scene

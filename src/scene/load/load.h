@@ -11,4 +11,8 @@ namespace latelight::scene {
 // the file and the problem, and Error(Usage) for options that do not apply to the scene.
 Scene load(const std::string& source, const LoadOptions& options = {});
 
+// Returns true if a scene defines its unit and axes, as glTF files and built-in scenes do. load() rejects the options
+// for them then. Files that cannot be read count as such scenes.
+bool definesFrame(const std::string& source);
+
 }  // namespace latelight::scene
