@@ -33,8 +33,7 @@ void checkTime(const RenderOptions& o) {
   const bool timed = o.settings.time.has_value();
   if (timed && !o.frames.empty()) badUsage("--time and --frames both set the time; use one of them");
   if (o.frames.empty()) {
-    const bool plays = !o.settings.animation.empty() || o.settings.loop;
-    if (plays && !timed) badUsage("--animation and --loop require --time or --frames");
+    if (render::playsWithoutTime(o.settings)) badUsage("--animation and --loop require --time or --frames");
     return;
   }
   if (!o.picks.empty()) badUsage("--pick applies to one time: use --time instead of --frames");

@@ -112,9 +112,14 @@ render::Settings internalSettings(const Options& o) {
   return s;
 }
 
+void checkPlayback(const render::Settings& s) {
+  if (render::playsWithoutTime(s)) badUsage("--animation and --loop require --time");
+}
+
 render::Settings settingsFor(vk::Device& device, const Options& o, const scene::Scene& scene,
                              render::RasterUse use = render::RasterUse::Image) {
   render::Settings s = internalSettings(o);
+  checkPlayback(s);
   s.raster = render::chooseRaster(device, s, scene, use).raster;
   return s;
 }
@@ -767,6 +772,7 @@ template <typename Impl>
 render::CastTicket submitTo(Impl& impl, const render::CastRays& rays, const CastTargets& t, const Options& options,
                             std::function<void()> beforeStore = {}) {
   const auto input = impl.rayInput(options);
+  checkPlayback(input.settings);
   const uint64_t count = std::max(rays.origins.size(), rays.floatOrigins.size());
   return impl.renderer.submitCast(rays, internalTargets(t, count), input.settings, input.moment,
                                   std::move(beforeStore));
@@ -939,6 +945,7 @@ render::WorldCastTicket Renderer::Impl::submitCast(const Worlds& worlds, const W
                          .maxDistance = rays.maxDistance,
                          .hits = std::move(hits)};
   const RayInput input = rayInput(options);
+  checkPlayback(input.settings);
   const render::Settings placing = settingsFor(*device, optionsOfRays(options), scene);
   render::SceneState moment = input.moment;
   if (worlds.arrays.ready > 0 && inputTimeline) device->waitFirst(inputTimeline->get(), worlds.arrays.ready);

@@ -42,13 +42,13 @@ TEST(Job, SaysTheSameInBothLanguages) {
   folder.write(
       "job.json",
       std::string_view(R"({"scenes": ["builtin:boxes"], "output": "set", "repeat": 3, "seed": 18446744073709551615,
-    "options": {"size": "64x48", "exposure": -1.5, "loop": true, "shadow-lights": 4}})"));
+    "options": {"size": "64x48", "exposure": -1.5, "time": 2, "loop": true, "shadow-lights": 4}})"));
   folder.write("job.yaml", std::string_view(R"(# comments, as YAML has them
 scenes: [builtin:boxes]
 output: set
 repeat: 3
 seed: 18446744073709551615
-options: {size: 64x48, exposure: -1.5, loop: true, shadow-lights: 4}
+options: {size: 64x48, exposure: -1.5, time: 2, loop: true, shadow-lights: 4}
 )"));
   const JobDocument json = readJobFile(folder.at("job.json")), yaml = readJobFile(folder.at("job.yaml"));
   EXPECT_EQ(json.json, yaml.json);
@@ -91,6 +91,8 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
        "job.yaml:4: options.tonemap takes khronos, aces, agx, reinhard or none, not \"red\""},
       {"options:\n  size: 64\n", "job.yaml:4: options.size: --size takes"},
       {"options:\n  loop: 1\n", "job.yaml:4: options.loop takes true or false, not 1"},
+      {"options:\n  animation: Foo\n", "job.yaml:4: options.animation: --animation and --loop require --time"},
+      {"options:\n  fps: 3\n  loop: true\n", "job.yaml:5: options.loop: --animation and --loop require --time"},
       {"options: 7\n", "job.yaml:3: options takes an object of keys and values, not 7"},
       {"repeat: 0\n", "job.yaml:3: repeat takes a whole number from 1 to 1e+06, not 0"},
       {"repeat: 1.5\n", "job.yaml:3: repeat takes a whole number"},

@@ -504,7 +504,7 @@ def test_scenes_in_memory_equal_their_files(raster, tmp_path, device):
     renderers = [latelight.Renderer(one, device) for one in (scene, loaded)]
     shown = set()
     for animation in ("all", "lift", ""):
-        for time in (None, 0, 0.3125, 1, 1.7, 3):
+        for time in (None, 0, 0.3125, 1, 1.7, 3) if animation == "" else (0, 0.3125, 1, 1.7, 3):
             images = []
             for one, renderer in zip((scene, loaded), renderers):
                 camera = one.default_camera(4 / 3, time, animation)

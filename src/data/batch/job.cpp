@@ -64,6 +64,9 @@ void readOptions(Job& job, const JobDocument& document) {
     }
   }
   render::checkSettings(job.settings);
+  if (render::playsWithoutTime(job.settings))
+    badUsage("{}: --animation and --loop require --time",
+             document.place(job.settings.loop ? "options.loop" : "options.animation"));
 }
 
 void readScenes(Job& job, const JobDocument& document) {

@@ -241,4 +241,8 @@ void checkSettings(const Settings& settings) {
     badUsage("--aa msaa{} requires the raster compute, because hardware supports only msaa4", settings.aa.samples);
 }
 
+bool playsWithoutTime(const Settings& settings) {
+  return !settings.time && (!settings.animation.empty() || settings.loop);
+}
+
 }  // namespace latelight::render

@@ -67,5 +67,8 @@ std::string read(Settings& settings, const Option& option, std::string_view text
 
 // Throws Error(Usage) if a value is out of range, or if two contradict each other.
 void checkSettings(const Settings& settings);
+// Returns true if the settings choose or repeat an animation but have no time, so that the scene would be at rest.
+// checkSettings() accepts them, because a sequence and the viewer set the time later.
+bool playsWithoutTime(const Settings& settings);
 
 }  // namespace latelight::render
