@@ -107,10 +107,13 @@ data::Job readJob(const BatchArguments& a) {
   if (!a.job.empty()) document = data::readJobFile(a.job);
   if (a.job.empty() && a.given.empty()) badUsage("no job is given: name a job file, or use --scenes and --output");
   for (const auto& [key, value] : a.given.items())
-    if (key == "options" && document.json.contains(key) && document.json[key].is_object())
+    if (key == "options" && document.json.contains(key) && document.json[key].is_object()) {
       document.json[key].update(value);
-    else
+      for (const auto& [option, text] : value.items()) document.forgetLines("options." + option);
+    } else {
       document.json[key] = value;
+      document.forgetLines(key);
+    }
   return data::makeJob(document);
 }
 

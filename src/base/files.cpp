@@ -121,6 +121,9 @@ WriteTarget findTarget(const fs::path& path) {
   if (S_ISBLK(status.st_mode) || S_ISSOCK(status.st_mode))
     badUsage("can't write '{}': it is a {}; give a file name", path.string(),
              S_ISBLK(status.st_mode) ? "disk" : "socket");
+  if (access(path.c_str(), W_OK) != 0 && errno == EROFS)
+    badUsage("can't write '{}': the file system is read-only; mount it for writing, or choose another place",
+             path.string());
   // Also checks the mode bits, because root may write to any file.
   if (S_ISREG(status.st_mode) && ((status.st_mode & 0222) == 0 || access(path.c_str(), W_OK) != 0))
     badUsage("can't write '{}': the existing file is read-only; allow writing (chmod u+w), or choose another name",

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "small_disk.h"
 
 namespace latelight {
 namespace {
@@ -227,6 +228,21 @@ TEST_F(Files, ThatAreReadOnlyAreNotReplaced) {
     EXPECT_THAT(sentence(ExitCode::Usage, call), HasSubstr("read-only"));
   EXPECT_EQ(textOf(readFile(folder / "f")), "old");
   EXPECT_EQ(entries(), 1u);
+}
+
+// Permissions cannot be changed there.
+TEST_F(Files, OnReadOnlyDisksAreReportedAsSuch) {
+  const test::SmallDisk disk(64u << 10);
+  if (!disk) GTEST_SKIP() << "This user may not mount a disk.";
+  const fs::path file = disk.path() / "f";
+  writeFile(file, bytesOf("old"));
+  ASSERT_EQ(mount("tmpfs", disk.path().c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, nullptr), 0);
+  for (const auto& call :
+       std::vector<std::function<void()>>{[&] { writeFile(file, bytesOf("new")); }, [&] { checkWritable(file); }}) {
+    const std::string text = sentence(ExitCode::Usage, call);
+    EXPECT_THAT(text, HasSubstr("the file system is read-only"));
+    EXPECT_THAT(text, testing::Not(HasSubstr("chmod")));
+  }
 }
 
 TEST_F(Files, AreNotWrittenWhereLinksLeadNowhere) {

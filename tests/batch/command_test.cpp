@@ -91,12 +91,50 @@ TEST(BatchCommand, NamesThatNoFileCanHave) {
   EXPECT_EQ(code({"batch", "--scenes", "builtin:boxes", "--hdri", name + "/a.hdr", "-o", "o", "--dry-run"}), 3);
   EXPECT_EQ(code({"batch", "status", name}), 3);
   EXPECT_EQ(code({"batch", "verify", name}), 3);
-  EXPECT_EQ(code({"batch", "merge", name}), 2);
+  EXPECT_EQ(code({"batch", "merge", name}), 3);
   EXPECT_EQ(code({"batch", name + ".yaml"}), 3);
   EXPECT_EQ(code({"batch", "--scenes", "builtin:boxes", "-o", name}), 2);
   EXPECT_EQ(code({"render", "builtin:boxes", "--hdri", name + ".hdr", "-o", "a.png", "--device", "cpu"}), 3);
   EXPECT_EQ(code({"render", "builtin:boxes", "-o", name + ".png", "--device", "cpu"}), 2);
   EXPECT_EQ(code({"serve", "builtin:boxes", "--hdri", name + ".hdr", "--port", "0", "--device", "cpu"}), 3);
+}
+
+TEST(BatchCommand, FoldersWithoutADataSetAreReported) {
+  const Folder folder;
+  fs::create_directory(folder.path() / "empty");
+  for (const char* command : {"status", "verify", "merge"})
+    for (const char* name : {"empty", "missing"}) {
+      const Outcome outcome = latelight({.arguments = {"batch", command, name}, .folder = folder.path()});
+      EXPECT_EQ(outcome.code, 3) << command;
+      EXPECT_EQ(outcome.err, std::string("latelight: '") + name + "' holds no data set\n") << command;
+    }
+  EXPECT_TRUE(fs::is_empty(folder.path() / "empty"));
+}
+
+// The lines are those of the entries. Values of the command line have none.
+TEST(BatchCommand, ErrorsInCamerasAndVariationsNameTheLine) {
+  const Folder folder;
+  const auto errorOf = [&](const std::string& text, std::vector<std::string> more = {}) {
+    folder.write("job.yaml", "scenes: builtin:boxes\noutput: set\n" + text);
+    more.insert(more.begin(), {"job.yaml", "--dry-run"});
+    const Outcome outcome = latelight(batch(folder, more));
+    EXPECT_EQ(outcome.code, 2) << outcome.text();
+    return outcome.err;
+  };
+  EXPECT_THAT(errorOf("variations:\n  - type: materials\n    roughness: 7\n"),
+              HasSubstr("latelight: job.yaml:4: variations[0].roughness must be a number from 0 to 1, not 7"));
+  EXPECT_THAT(errorOf("variations:\n  - {type: materials, roughness: 1}\n  - {type: weather}\n"),
+              HasSubstr("latelight: job.yaml:5: variations[1].type must be one of"));
+  EXPECT_THAT(errorOf("cameras:\n  type: orbit\n  count: none\n"),
+              HasSubstr("latelight: job.yaml:5: cameras.count must be a whole number"));
+  EXPECT_THAT(errorOf("cameras:\n  - type: scene\n  - type: list\n    cameras:\n      - eye: [0, 1]\n"),
+              HasSubstr("latelight: job.yaml:5: cameras[1].cameras[0].eye must be"));
+  EXPECT_THAT(errorOf("variations:\n  - type: visibility\n", {"--variations", R"([{"type": "weather"}])"}),
+              HasSubstr("latelight: variations[0].type must be one of"));
+  EXPECT_THAT(errorOf("repeat: 3\n", {"--variations", R"([{"type": "weather"}])"}),
+              HasSubstr("latelight: variations[0].type must be one of"));
+  EXPECT_THAT(errorOf("formats:\n  - files\n", {"--formats", "painting"}),
+              HasSubstr("latelight: formats[0]: there is no format"));
 }
 
 // The numbers of a job are repeated as written.

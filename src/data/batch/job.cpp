@@ -174,6 +174,9 @@ Job makeJob(const JobDocument& document) {
   checkJob(document);
   Job job;
   job.memory = document.memory;
+  job.places.name = document.name;
+  for (const auto& [path, line] : document.lines)
+    if (path.starts_with("cameras") || path.starts_with("variations")) job.places.lines[path] = line;
   job.document = document.json;
   job.document.erase("output");
   job.folder = document.json["output"].get<std::string>();

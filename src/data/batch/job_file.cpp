@@ -155,9 +155,31 @@ JsonDocument readYaml(const std::string& text, const std::string& what) {
 
 std::string JobDocument::place(const std::string& path) const {
   if (name.empty()) return path.empty() ? "the job" : path;
-  const auto line = lines.find(path);
+  std::string container = path;
+  while (!container.empty() && !lines.contains(container)) {
+    const size_t end = container.find_last_of(".[");
+    container.resize(end == std::string::npos ? 0 : end);
+  }
+  const auto line = container.empty() && !path.empty() ? lines.end() : lines.find(container);
+  if (line != lines.end() && line->second == 0) return path;
   const std::string at = line == lines.end() ? name : fmt::format("{}:{}", name, line->second);
   return path.empty() ? at : at + ": " + path;
+}
+
+std::string JobDocument::located(const std::string& message) const {
+  const std::string path = message.substr(0, message.find_first_of(" :"));
+  const std::string key = path.substr(0, path.find_first_of(".["));
+  if ((key != "cameras" && key != "variations") || !lines.contains(key)) return message;
+  return place(path) + message.substr(path.size());
+}
+
+void JobDocument::forgetLines(const std::string& path) {
+  std::erase_if(lines, [&](const auto& line) {
+    const std::string& known = line.first;
+    return known.starts_with(path) &&
+           (known.size() == path.size() || known[path.size()] == '.' || known[path.size()] == '[');
+  });
+  lines[path] = 0;
 }
 
 JobDocument readJobFile(const std::filesystem::path& path) {

@@ -2,16 +2,19 @@
 
 #include <algorithm>
 
+#include "base/error.h"
 #include "render/submit/session.h"
 
 namespace latelight::data {
 
-LoadedScene::LoadedScene(const Job& job, scene::Scene scene)
+LoadedScene::LoadedScene(const Job& job, scene::Scene scene) try
     : job_(job), scene_(std::move(scene)), cameras_(job, scene_) {
   if (job.variations.is_null()) return;
   variations_.emplace(job.variations, scene_, job.seed, job.load);
   if (std::ranges::any_of(job.settings.aovs, output::holdsIds))
     idsOfAll_ = std::make_shared<output::IdManifest>(variations_->idsOfAll());
+} catch (const Error& error) {
+  throw Error(error.code(), job.places.located(error.what()));
 }
 
 const nlohmann::ordered_json& LoadedScene::show(uint32_t variation) {

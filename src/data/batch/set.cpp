@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <unordered_map>
 
 #include "base/error.h"
@@ -28,6 +29,10 @@ Json readState(const fs::path& path) {
   } catch (const Json::exception&) {
     badInput("'{}' is damaged; run the job again with --resume", path.string());
   }
+}
+
+void requireSet(const SetFolder& set) {
+  if (!isThere(set.plan())) badInput("'{}' holds no data set", set.path().string());
 }
 
 // Returns the manifest and all shard logs of the set, each with its path.
@@ -184,7 +189,9 @@ void SetFolder::log(const std::string& line) const {
 SetLock::SetLock(const fs::path& manifest, bool wait) {
   const fs::path path = fs::path(manifest).replace_extension(".lock");
   fd_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (fd_ < 0) badUsage("can't write to '{}'; make its folder writable, or choose another", path.string());
+  if (fd_ < 0)
+    badUsage("can't write to '{}': {}; make its folder writable, or choose another", path.string(),
+             std::strerror(errno));
   // On file systems without locks, no lock is held.
   if (flock(fd_, wait ? LOCK_EX : LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   close(fd_);
@@ -241,7 +248,7 @@ Manifest findFinished(const SetFolder& set, const Plan& plan, const Shard& shard
 }
 
 SetStatus readStatus(const SetFolder& set) {
-  if (!isThere(set.plan())) badInput("'{}' holds no data set", set.path().string());
+  requireSet(set);
   const Json plan = readState(set.plan());
   SetStatus status{.frames = plan.value("frames", uint64_t{0}), .manifest = {.plan = plan.value("hash", uint64_t{0})}};
   Manifest& all = status.manifest;
@@ -285,6 +292,7 @@ std::vector<std::string> verifySet(const SetFolder& set, const SetStatus& status
 }
 
 void mergeSet(const SetFolder& set, bool allowMissing) {
+  requireSet(set);
   for (const fs::path& shard : set.shards()) const SetLock atWork(shard);
   const SetLock lock(set.state() / "merge", true);
   SetStatus status = readStatus(set);
