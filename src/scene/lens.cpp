@@ -99,6 +99,9 @@ struct Radial {
       : above{1, lens.distortion[0], lens.distortion[1], lens.distortion[4]},
         below{1, lens.distortion[5], lens.distortion[6], lens.distortion[7]} {}
   double at(double r2) const { return valueOf(above, r2) / valueOf(below, r2); }
+  // Returns the distorted radius, which may rise to infinity at the first pole. It is infinite beyond a pole, because
+  // turn() is rounded up, and r^2 may be past it.
+  double radius(double r) const { return valueOf(below, r * r) > 0 ? r * at(r * r) : kNoTurningPoint; }
   double slope(double r2) const {
     const double b = valueOf(below, r2);
     return (slopeOf(above, r2) * b - valueOf(above, r2) * slopeOf(below, r2)) / (b * b);
@@ -166,17 +169,19 @@ Distorted distorted(const Lens& lens, const Radial& radial, dvec2 p) {
 // Returns the undistorted radius of a point at this distance from the axis, without tangential distortion.
 double undistortedRadius(const Radial& radial, double most, double target) {
   const double end = std::isfinite(most) ? std::sqrt(most) : kNoTurningPoint;
-  if (std::isfinite(end) && !(end * radial.at(most) > target)) return end;
+  if (std::isfinite(end) && !(radial.radius(end) > target)) return end;
   double high = std::min(end, std::max(target, 1e-6));
-  while (high < end && high * radial.at(high * high) < target && high < 1e9) high *= 2;
+  while (high < end && radial.radius(high) < target && high < 1e9) high *= 2;
   high = std::min(high, end);
-  double low = 0, r = std::min(target, high);
-  for (int i = 0; i < 60 && low < high; ++i) {
-    const double excess = r * radial.at(r * r) - target;
+  double low = 0, r = std::min(target, 0.5 * end);
+  for (int i = 0; i < 100 && low < high; ++i) {
+    const double excess = radial.radius(r) - target;
     (excess > 0 ? high : low) = r;
     const double slope = radial.at(r * r) + 2 * r * r * radial.slope(r * r), next = r - excess / slope;
     const double stepped = next > low && next < high ? next : 0.5 * (low + high);
-    if (std::abs(stepped - r) <= 1e-15 * r) break;
+    // Close to a pole, Newton's method only doubles the distance to it: the first steps are tiny, far from the
+    // solution.
+    if (std::abs(stepped - r) <= 1e-15 * r && std::abs(excess) <= target) break;
     r = stepped;
   }
   return r;
@@ -189,12 +194,14 @@ std::optional<dvec2> undistorted(const Lens& lens, const Radial& radial, double 
   if (length == 0 && lens.distortion[2] == 0 && lens.distortion[3] == 0) return target;
   dvec2 p = length > 0 ? target * (undistortedRadius(radial, most, length) / length) : target;
   Distorted d = distorted(lens, radial, p);
+  double remaining = std::numeric_limits<double>::infinity();  // length of the last full step
   for (int i = 0; i < 50; ++i) {
     const dvec2 miss = target - d.at;
     const double determinant = d.determinant();
     if (!(determinant > 0)) return std::nullopt;
     dvec2 step = dvec2(d.byY.y * miss.x - d.byY.x * miss.y, d.byX.x * miss.y - d.byX.y * miss.x) / determinant;
-    if (glm::length(step) <= 1e-15 * glm::length(p)) break;
+    remaining = glm::length(step);
+    if (remaining <= 1e-15 * glm::length(p)) break;
     Distorted next = distorted(lens, radial, p + step);
     for (int half = 0; half < 40 && !(glm::length(target - next.at) < glm::length(miss)); ++half) {
       step *= 0.5;
@@ -204,7 +211,8 @@ std::optional<dvec2> undistorted(const Lens& lens, const Radial& radial, double 
     p += step;
     d = next;
   }
-  const bool arrived = glm::length(target - d.at) <= 1e-12 * (1 + length);
+  // Close to a pole, the distorted point of the best double may be far from the target.
+  const bool arrived = glm::length(target - d.at) <= 1e-12 * (1 + length) || remaining <= 1e-12 * glm::length(p);
   if (!arrived || !(glm::dot(p, p) < most) || !(d.determinant() > 0)) return std::nullopt;
   return p;
 }

@@ -27,6 +27,7 @@ struct NamedLens {
 const NamedLens kLenses[] = {
     {"opencv", {LensModel::OpenCv, 161, 121, 110, 112, 82, 57, {-0.28, 0.07, 1.2e-3, -8e-4, -0.005}}},
     {"rational", {LensModel::OpenCv, 640, 480, 400, 400, 320, 240, {0.9, 0.1, 1e-4, 2e-4, 0.01, 1.2, 0.25, 0.02}}},
+    {"pole", {LensModel::OpenCv, 161, 121, 110, 112, 82, 57, {-0.05, 0.01, 1e-3, -5e-4, 0, -0.5, 0, 0}}},
     {"fisheye", {LensModel::Fisheye, 151, 151, 40, 40, 75, 76, {-0.03, 0.012, -0.004, 0.0007}}},
     {"ftheta", {LensModel::FTheta, 151, 151, 1, 1, 75, 76, {0, 0.025, 2e-5, -3e-7}}},
     {"equirectangular", {.model = LensModel::Equirectangular}},

@@ -42,6 +42,7 @@ const Picture kPictures[] = {
      {LensModel::OpenCv, 640, 480, 400, 400, 320, 240, {0.9, 0.1, 1e-4, 2e-4, 0.01, 1.2, 0.25, 0.02}},
      160,
      120},
+    {"pole", {LensModel::OpenCv, 161, 121, 110, 112, 82, 57, {-0.05, 0.01, 1e-3, -5e-4, 0, -0.5, 0, 0}}, 161, 121},
     {"fisheye", {LensModel::Fisheye, 151, 151, 40, 40, 75, 76, {-0.03, 0.012, -0.004, 0.0007}}, 151, 151},
     {"ftheta", {LensModel::FTheta, 151, 151, 1, 1, 75, 76, {0, 0.025, 2e-5, -3e-7}}, 151, 151},
     {"equirectangular", {.model = LensModel::Equirectangular}, 201, 101},

@@ -136,6 +136,83 @@ TEST(LensTest, NothingIsSeenBeyondTheTurn) {
   EXPECT_FALSE(fisheye.project(direction(std::sqrt(10.0 / 3) + 1e-6, 1)));
 }
 
+// --- poles ----------------------------------------------------------------------------------------------------------
+
+// Returns the tangent of the angle to the axis under which a pixel, right of the principal point, sees.
+std::optional<double> tangentAt(const Lens& lens, double distance) {
+  const std::optional<dvec3> ray = LensProjection(lens).unproject({lens.cx + lens.fx * distance, lens.cy});
+  return ray ? std::optional(ray->x / ray->z) : std::nullopt;
+}
+
+// r / (1 - a r^2) rises to infinity at r = 1 / sqrt(a). It is q at r = (sqrt(1 + 4 a q^2) - 1) / (2 a q).
+TEST(LensTest, UpToAPoleEveryPixelHasARay) {
+  for (const double a : {1e-9, 0.05, 0.25, 1.0, 3.0, 20.0, 1e4}) {
+    const Lens lens = lensOf(LensModel::OpenCv, {0, 0, 0, 0, 0, -a});
+    for (const double q : {1e-6, 0.1, 1 / std::sqrt(a), 0.5 / std::sqrt(a), 3.0, 20.0}) {
+      const std::optional<double> r = tangentAt(lens, q);
+      ASSERT_TRUE(r) << a << ' ' << q;
+      const double expected = 2 * q / (std::sqrt(1 + 4 * a * q * q) + 1);
+      EXPECT_NEAR(*r / expected, 1, 1e-9) << a << ' ' << q;
+    }
+    const LensProjection projection(lens);
+    EXPECT_TRUE(projection.project({0.999 / std::sqrt(a), 0, 1})) << a;
+    EXPECT_FALSE(projection.project({1.001 / std::sqrt(a), 0, 1})) << a;
+  }
+  EXPECT_FALSE(LensProjection(lensOf(LensModel::OpenCv, {0, 0, 0, 0, 0, -1})).project({1, 0, 1}));
+  // The pole is at r = 10, far outside of the image.
+  expectRoundTrips(lensOf(LensModel::OpenCv, {0, 0, 0, 0, 0, 0, 0, -1e-6}), 1);
+  expectRoundTrips(lensOf(LensModel::OpenCv, {-0.1, 0, 1e-3, -5e-4, 0, -0.3, 0.1, -0.02}), 1);
+  // (1 - r^2)^2, without a change of sign at the pole.
+  expectRoundTrips(lensOf(LensModel::OpenCv, {0, 0, 0, 0, 0, -2, 1}), 1);
+  // The numerator is equal to the denominator, so that there is no distortion.
+  expectRoundTrips(lensOf(LensModel::OpenCv, {-0.05, 0, 0, 0, 0, -0.05}), 1);
+}
+
+// Returns where r (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6) first reaches a value, before its
+// first extremum and its first pole: by small steps, then by bisection. Null if it does not.
+std::optional<double> firstRadiusAt(const Lens& lens, double value) {
+  const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = lens.distortion;
+  const auto below = [&](double x) { return 1 + k4 * x + k5 * x * x + k6 * x * x * x; };
+  const auto reached = [&](double r) {
+    const double x = r * r;
+    return below(x) <= 0 || r * (1 + k1 * x + k2 * x * x + k3 * x * x * x) / below(x) >= value;
+  };
+  const auto radius = [&](double r) { return openCv(lens, {r, 0, 1}).x; };
+  double low = 0, high = 0;
+  while (!reached(high)) {
+    if (high > 50 || (high > 0 && radius(high) <= radius(low))) return std::nullopt;
+    low = high;
+    high += 1e-3;
+  }
+  for (int i = 0; i < 60; ++i) (reached(0.5 * (low + high)) ? high : low) = 0.5 * (low + high);
+  // Just below a pole at which the numerator is negative, the function has turned.
+  return std::abs(radius(low) - (lens.cx + lens.fx * value)) < 1e-3 ? std::optional(low) : std::nullopt;
+}
+
+// Most of these denominators have a negative coefficient, and many of them a pole.
+TEST(LensTest, RationalLensesAreInverted) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> coefficient(0, 0.4);
+  int negative = 0, rays = 0;
+  for (int i = 0; i < 200; ++i) {
+    Lens lens = lensOf(LensModel::OpenCv);
+    for (const size_t k : {0, 1, 4, 5, 6, 7}) lens.distortion[k] = random() % 2 ? coefficient(random) : 0;
+    negative += lens.distortion[5] < 0 || lens.distortion[6] < 0 || lens.distortion[7] < 0;
+    for (const double q : {0.05, 0.2, 0.4, 0.8, 1.5}) {
+      // A small change of the value near an extremum decides whether there is a ray.
+      const std::optional<double> expected = firstRadiusAt(lens, q), further = firstRadiusAt(lens, q + 2e-3);
+      const std::optional<double> r = tangentAt(lens, q);
+      if (expected.has_value() != further.has_value()) continue;
+      ASSERT_EQ(r.has_value(), expected.has_value()) << i << ' ' << q;
+      if (!r) continue;
+      EXPECT_NEAR(*r, *expected, 1e-7) << i << ' ' << q;
+      ++rays;
+    }
+  }
+  EXPECT_GT(negative, 100);
+  EXPECT_GT(rays, 500);
+}
+
 TEST(LensTest, ClosedForms) {
   const LensProjection equirectangular({.model = LensModel::Equirectangular, .width = 400, .height = 200});
   const auto expectNear = [](std::optional<dvec3> ray, dvec3 expected) {
