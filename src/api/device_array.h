@@ -20,6 +20,9 @@ struct DeviceArrayMemory {
   // device than the renderer's. `role`: the array in messages, such as "WorldRays::origins".
   static std::shared_ptr<render::ExportedMemory> of(const DeviceArray& array, const vk::Device& device,
                                                     const std::string& role);
+  // Returns true if a non-empty array has `count` times `eachBytes` bytes from an offset on, whatever these numbers
+  // are.
+  static bool contains(const DeviceArray& array, uint64_t offset, uint64_t count, uint64_t eachBytes);
   // Throws Error(Usage) if two arrays are in the same memory, in which one output would overwrite the other.
   static void checkDistinct(const std::map<std::string, DeviceArray>& arrays);
   static render::ExportTargets targets(const std::map<std::string, DeviceArray>& arrays, const vk::Device& device);

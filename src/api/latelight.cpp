@@ -1,6 +1,7 @@
 // The public API of include/latelight/latelight.h.
 #include <latelight/latelight.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -500,6 +501,14 @@ std::shared_ptr<render::ExportedMemory> DeviceArrayMemory::of(const DeviceArray&
     badUsage("{} belongs to another renderer: use an array of the renderer that is called", role);
   return array.impl_->memory;
 }
+bool DeviceArrayMemory::contains(const DeviceArray& array, uint64_t offset, uint64_t count, uint64_t eachBytes) {
+  using enum DeviceArray::Element;
+  uint64_t bytes = array.element == Uint8 ? 1 : array.element == Float16 || array.element == Uint16 ? 2 : 4;
+  for (const uint64_t length : array.shape) bytes *= length;
+  // The renderer's memory may be larger than the array, and a caller may have changed the array's public shape.
+  const uint64_t size = std::min(bytes, uint64_t{bufferOf(array).size()});
+  return offset <= size && (count == 0 || eachBytes <= (size - offset) / count);
+}
 void DeviceArrayMemory::checkDistinct(const std::map<std::string, DeviceArray>& arrays) {
   for (auto a = arrays.begin(); a != arrays.end(); ++a)
     for (auto b = std::next(a); b != arrays.end(); ++b)
@@ -639,8 +648,9 @@ std::shared_ptr<const DeviceArray> Renderer::inputArray(uint64_t bytes) {
   auto array = std::make_shared<DeviceArray>();
   array->element = DeviceArray::Element::Uint8;
   array->shape = {1, 1, 1, bytes};
-  array->impl_ = ownedByProcess(new DeviceArray::Impl{
-      .owner = {}, .device = impl_->device, .memory = impl_->inputs->take(device, (bytes + 15) / 16 * 16)});
+  const uint64_t padded = (std::min(bytes, ~uint64_t{0} - 15) + 15) / 16 * 16;
+  array->impl_ = ownedByProcess(
+      new DeviceArray::Impl{.owner = {}, .device = impl_->device, .memory = impl_->inputs->take(device, padded)});
   return array;
 }
 
@@ -918,7 +928,8 @@ VkDeviceAddress addressOf(render::Renderer& renderer, const WorldArray& array, u
                           std::vector<std::shared_ptr<const void>>& held) {
   if (array.device) {
     const vk::Buffer& buffer = DeviceArrayMemory::bufferOf(*array.device);
-    if (array.offset + bytes > buffer.size()) badUsage("the rays of worlds extend beyond their memory");
+    if (!DeviceArrayMemory::contains(*array.device, array.offset, 1, bytes))
+      badUsage("the rays of worlds extend beyond their memory");
     held.push_back(DeviceArrayMemory::held(*array.device));
     return buffer.address() + array.offset;
   }

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
-#include <initializer_list>
 #include <limits>
 #include <numeric>
 
@@ -75,22 +74,39 @@ Kind kindOf(WorldArray::Element element) {
   return element == Uint8 ? Kind::Mask : element == Int32 || element == Int64 ? Kind::Integers : Kind::Numbers;
 }
 
-void checkArray(const vk::Device& device, const WorldArray& array, bool hasList, Kind kind, const char* name) {
-  if (!array) return;
-  if (hasList) badUsage("Worlds::{} and Worlds::arrays.{} describe the same: omit one of them", name, name);
-  constexpr const char* kElements[] = {"Float32 or Float64", "Uint8", "Int32 or Int64"};
-  if (kindOf(array.element) != kind)
-    badUsage("Worlds::arrays.{} must have elements of the type {}", name, kElements[static_cast<size_t>(kind)]);
-  if (array.host && array.device) badUsage("Worlds::arrays.{} must be in one memory only", name);
-  if (array.device) DeviceArrayMemory::of(*array.device, device, fmt::format("Worlds::arrays.{}", name));
-  if (array.offset % 16 != 0) badUsage("Worlds::arrays.{} must begin at a multiple of 16 bytes", name);
-}
-
 uint64_t elementBytes(const WorldArray& array) {
   using enum WorldArray::Element;
   if (array.element == Uint8) return 1;
   return array.element == Float64 || array.element == Int64 ? 8 : 4;
 }
+
+// Checks the arrays of a call.
+struct ArrayChecker {
+  const vk::Device& device;
+  uint32_t worlds;
+
+  // `numbers`: per world. `hasList`: a list of Worlds describes the same.
+  void check(const WorldArray& array, bool hasList, Kind kind, uint64_t numbers, const char* name) const {
+    if (!array) return;
+    if (hasList) badUsage("Worlds::{} and Worlds::arrays.{} describe the same: omit one of them", name, name);
+    constexpr const char* kElements[] = {"Float32 or Float64", "Uint8", "Int32 or Int64"};
+    if (kindOf(array.element) != kind)
+      badUsage("Worlds::arrays.{} must have elements of the type {}", name, kElements[static_cast<size_t>(kind)]);
+    if (array.host && array.device) badUsage("Worlds::arrays.{} must be in one memory only", name);
+    if (array.offset % 16 != 0) badUsage("Worlds::arrays.{} must begin at a multiple of 16 bytes", name);
+    if (!array.device) return;
+    DeviceArrayMemory::of(*array.device, device, fmt::format("Worlds::arrays.{}", name));
+    if (!DeviceArrayMemory::contains(*array.device, array.offset, worlds, numbers * elementBytes(array)))
+      badUsage("Worlds::arrays.{} must have {} numbers in each of {} worlds, which extend beyond its memory", name,
+               numbers, worlds);
+  }
+  // Matrices of 3 or 4 rows, `count` per world.
+  void checkMatrices(const WorldArray& array, bool hasList, uint64_t count, const char* name) const {
+    if (array && array.rows != 3 && array.rows != 4)
+      badUsage("matrices of Worlds::arrays must have 3 or 4 rows, not {}", array.rows);
+    check(array, hasList, Kind::Numbers, 4 * uint64_t{array.rows} * count, name);
+  }
+};
 
 // Copies an array of the device's memory to the host, after everything that was submitted.
 std::vector<std::byte> readBack(vk::Device& device, const WorldArray& array, uint64_t bytes) {
@@ -145,12 +161,6 @@ std::vector<std::array<double, 4>> intrinsicsOf(vk::Device& device, const WorldA
     intrinsics.push_back({k[0], k[4], k[2], k[5]});
   }
   return intrinsics;
-}
-
-void checkRows(std::initializer_list<const WorldArray*> matrices) {
-  for (const WorldArray* array : matrices)
-    if (*array && array->rows != 3 && array->rows != 4)
-      badUsage("matrices of Worlds::arrays must have 3 or 4 rows, not {}", array->rows);
 }
 
 bool hasLights(const WorldArrays& a) {
@@ -276,32 +286,35 @@ void Scene::Impl::WorldConverter::check(const vk::Device& device) const {
 
 void Scene::Impl::WorldConverter::checkArrays(const vk::Device& device) const {
   const WorldArrays& a = from.arrays;
-  checkArray(device, a.transforms, !from.transforms.empty(), Kind::Numbers, "transforms");
-  checkArray(device, a.previousTransforms, !from.previousTransforms.empty(), Kind::Numbers, "previousTransforms");
-  checkArray(device, a.nextTransforms, !from.nextTransforms.empty(), Kind::Numbers, "nextTransforms");
-  checkArray(device, a.exists, !from.exists.empty(), Kind::Mask, "exists");
-  checkArray(device, a.cameraToWorld, !from.cameraToWorld.empty(), Kind::Numbers, "cameraToWorld");
-  checkArray(device, a.previousCameraToWorld, !from.previousCameraToWorld.empty(), Kind::Numbers,
-             "previousCameraToWorld");
-  checkArray(device, a.nextCameraToWorld, !from.nextCameraToWorld.empty(), Kind::Numbers, "nextCameraToWorld");
-  checkArray(device, a.intrinsics, !from.intrinsics.empty(), Kind::Numbers, "intrinsics");
-  checkArray(device, a.baseColor, !from.factors.empty(), Kind::Numbers, "baseColor");
-  checkArray(device, a.metallic, !from.factors.empty(), Kind::Numbers, "metallic");
-  checkArray(device, a.roughness, !from.factors.empty(), Kind::Numbers, "roughness");
-  checkArray(device, a.emissive, !from.factors.empty(), Kind::Numbers, "emissive");
-  checkArray(device, a.environmentRotation, !from.environmentRotation.empty(), Kind::Numbers, "environmentRotation");
-  checkArray(device, a.environmentIndex, !from.environmentIndex.empty(), Kind::Integers, "environmentIndex");
-  checkArray(device, a.environmentIntensity, !from.environmentIntensity.empty(), Kind::Numbers, "environmentIntensity");
-  checkArray(device, a.materialChoice, !from.materials.empty(), Kind::Integers, "materialChoice");
-  checkArray(device, a.lightPosition, !from.lightValues.empty(), Kind::Numbers, "lightPosition");
-  checkArray(device, a.lightDirection, !from.lightValues.empty(), Kind::Numbers, "lightDirection");
-  checkArray(device, a.lightColor, !from.lightValues.empty(), Kind::Numbers, "lightColor");
-  checkArray(device, a.lightIntensity, !from.lightValues.empty(), Kind::Numbers, "lightIntensity");
+  const ArrayChecker checker{device, from.count};
+  const uint64_t instances = to.instances.size(), cameras = from.cameras.size(), lights = from.lights.size();
+  checker.checkMatrices(a.transforms, !from.transforms.empty(), instances, "transforms");
+  checker.checkMatrices(a.previousTransforms, !from.previousTransforms.empty(), instances, "previousTransforms");
+  checker.checkMatrices(a.nextTransforms, !from.nextTransforms.empty(), instances, "nextTransforms");
+  checker.check(a.exists, !from.exists.empty(), Kind::Mask, instances, "exists");
+  checker.checkMatrices(a.cameraToWorld, !from.cameraToWorld.empty(), cameras, "cameraToWorld");
+  checker.checkMatrices(a.previousCameraToWorld, !from.previousCameraToWorld.empty(), cameras, "previousCameraToWorld");
+  checker.checkMatrices(a.nextCameraToWorld, !from.nextCameraToWorld.empty(), cameras, "nextCameraToWorld");
+  checker.check(a.intrinsics, !from.intrinsics.empty(), Kind::Numbers, 9 * cameras, "intrinsics");
+  const auto numbers = [&](const WorldArray& array, bool hasList, uint64_t count, const char* name) {
+    checker.check(array, hasList, Kind::Numbers, count, name);
+  };
+  const bool hasFactors = !from.factors.empty(), hasLightValues = !from.lightValues.empty();
+  numbers(a.baseColor, hasFactors, 4 * instances, "baseColor");
+  numbers(a.metallic, hasFactors, instances, "metallic");
+  numbers(a.roughness, hasFactors, instances, "roughness");
+  numbers(a.emissive, hasFactors, 3 * instances, "emissive");
+  numbers(a.environmentRotation, !from.environmentRotation.empty(), 1, "environmentRotation");
+  numbers(a.environmentIntensity, !from.environmentIntensity.empty(), 1, "environmentIntensity");
+  checker.check(a.environmentIndex, !from.environmentIndex.empty(), Kind::Integers, 1, "environmentIndex");
+  checker.check(a.materialChoice, !from.materials.empty(), Kind::Integers, instances, "materialChoice");
+  numbers(a.lightPosition, hasLightValues, 3 * lights, "lightPosition");
+  numbers(a.lightDirection, hasLightValues, 3 * lights, "lightDirection");
+  numbers(a.lightColor, hasLightValues, 3 * lights, "lightColor");
+  numbers(a.lightIntensity, hasLightValues, lights, "lightIntensity");
   if (hasLights(a) && from.lights.empty()) badUsage("arrays of lights require Worlds::lights, which they describe");
   if (bool(a.materialChoice) == from.palette.empty())
     badUsage("Worlds::palette and Worlds::arrays.materialChoice require each other");
-  checkRows({&a.transforms, &a.previousTransforms, &a.nextTransforms, &a.cameraToWorld, &a.previousCameraToWorld,
-             &a.nextCameraToWorld});
 }
 
 size_t Scene::Impl::WorldConverter::vertexCount() const {
@@ -312,13 +325,14 @@ size_t Scene::Impl::WorldConverter::vertexCount() const {
 
 void Scene::Impl::WorldConverter::checkDeformations(const vk::Device& device) const {
   const WorldArrays& a = from.arrays;
-  checkArray(device, a.jointTransforms, false, Kind::Numbers, "jointTransforms");
-  checkArray(device, a.previousJointTransforms, false, Kind::Numbers, "previousJointTransforms");
-  checkArray(device, a.nextJointTransforms, false, Kind::Numbers, "nextJointTransforms");
-  checkArray(device, a.vertices, false, Kind::Numbers, "vertices");
-  checkArray(device, a.previousVertices, false, Kind::Numbers, "previousVertices");
-  checkArray(device, a.nextVertices, false, Kind::Numbers, "nextVertices");
-  checkRows({&a.jointTransforms, &a.previousJointTransforms, &a.nextJointTransforms});
+  const ArrayChecker checker{device, from.count};
+  const uint64_t joints = from.joints.size(), vertexNumbers = 3 * vertexCount();
+  checker.checkMatrices(a.jointTransforms, false, joints, "jointTransforms");
+  checker.checkMatrices(a.previousJointTransforms, false, joints, "previousJointTransforms");
+  checker.checkMatrices(a.nextJointTransforms, false, joints, "nextJointTransforms");
+  checker.check(a.vertices, false, Kind::Numbers, vertexNumbers, "vertices");
+  checker.check(a.previousVertices, false, Kind::Numbers, vertexNumbers, "previousVertices");
+  checker.check(a.nextVertices, false, Kind::Numbers, vertexNumbers, "nextVertices");
   if (bool(a.jointTransforms) == from.joints.empty())
     badUsage("Worlds::joints and Worlds::arrays.jointTransforms require each other");
   if (bool(a.vertices) == from.meshes.empty())

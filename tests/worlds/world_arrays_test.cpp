@@ -769,5 +769,94 @@ TEST(PlacedWorlds, AreChecked) {
               HasSubstr("require each other"));
 }
 
+// Every array that memory of the renderer may hold, with the bytes of 16 worlds as WorldArrays describes them.
+struct SizedArray {
+  const char* name;
+  WorldArray WorldArrays::*array;
+  uint64_t numbers;  // per world
+  WorldArray::Element element = WorldArray::Element::Float32;
+  uint32_t rows = 4;
+
+  uint64_t bytes() const {
+    using enum WorldArray::Element;
+    return 16 * numbers * (element == Uint8 ? 1 : element == Float64 || element == Int64 ? 8 : 4);
+  }
+};
+
+TEST(PlacedWorlds, RejectArraysThatExtendBeyondTheirMemory) {
+  using enum WorldArray::Element;
+  Scene scene(models::modelPath("skinned.glb").string());
+  scene.addLight(Light{.name = "lamp"});
+  Renderer renderer(scene, testDevice());
+  if (!renderer.inputArray(16)->host()) GTEST_SKIP() << "the host writes no memory of this device";
+  Worlds worlds{.count = 16, .instances = scene.instances(), .cameras = {2, scene.defaultCamera(1.0f)}};
+  worlds.palette = {scene.materials()[0]};
+  worlds.lights = scene.lights();
+  worlds.environments = {"studio"};
+  worlds.joints = scene.joints(worlds.instances[0]);
+  worlds.meshes = {scene.meshes()[0]};
+  using A = WorldArrays;
+  const uint64_t instances = worlds.instances.size(), lights = worlds.lights.size(), joints = worlds.joints.size();
+  const uint64_t vertices = scene.mesh(worlds.meshes[0]).vertices;
+  const SizedArray all[] = {
+      {"transforms", &A::transforms, 16 * instances, Float64},
+      {"previousTransforms", &A::previousTransforms, 12 * instances, Float32, 3},
+      {"nextTransforms", &A::nextTransforms, 12 * instances, Float64, 3},
+      {"exists", &A::exists, instances, Uint8},
+      {"cameraToWorld", &A::cameraToWorld, 16 * 2},
+      {"previousCameraToWorld", &A::previousCameraToWorld, 16 * 2, Float64},
+      {"nextCameraToWorld", &A::nextCameraToWorld, 12 * 2, Float32, 3},
+      {"intrinsics", &A::intrinsics, 9 * 2, Float64},
+      {"baseColor", &A::baseColor, 4 * instances},
+      {"metallic", &A::metallic, instances},
+      {"roughness", &A::roughness, instances, Float64},
+      {"emissive", &A::emissive, 3 * instances},
+      {"materialChoice", &A::materialChoice, instances, Int64},
+      {"lightPosition", &A::lightPosition, 3 * lights, Float64},
+      {"lightDirection", &A::lightDirection, 3 * lights},
+      {"lightColor", &A::lightColor, 3 * lights},
+      {"lightIntensity", &A::lightIntensity, lights},
+      {"environmentRotation", &A::environmentRotation, 1, Float64},
+      {"environmentIntensity", &A::environmentIntensity, 1},
+      {"environmentIndex", &A::environmentIndex, 1, Int32},
+      {"jointTransforms", &A::jointTransforms, 16 * joints},
+      {"previousJointTransforms", &A::previousJointTransforms, 12 * joints, Float64, 3},
+      {"nextJointTransforms", &A::nextJointTransforms, 16 * joints},
+      {"vertices", &A::vertices, 3 * vertices},
+      {"previousVertices", &A::previousVertices, 3 * vertices, Float64},
+      {"nextVertices", &A::nextVertices, 3 * vertices},
+  };
+  for (const SizedArray& each : all)
+    worlds.arrays.*
+        each.array = {.element = each.element, .rows = each.rows, .device = renderer.inputArray(each.bytes())};
+  const auto resultOf = [&](const SizedArray& each, uint64_t bytes, uint64_t offset) {
+    Worlds changed = worlds;
+    changed.arrays.*each.array = {
+        .element = each.element, .rows = each.rows, .device = renderer.inputArray(bytes), .offset = offset};
+    return rejectionOf([&] { renderer.render(changed, options("compute")); });
+  };
+  // The memory holds no transforms, which is reported later than its size.
+  const auto rejected = testing::HasSubstr("extend beyond its memory");
+  for (const SizedArray& each : all) {
+    SCOPED_TRACE(each.name);
+    EXPECT_THAT(resultOf(each, each.bytes(), 0), testing::Not(rejected));
+    EXPECT_THAT(resultOf(each, each.bytes() + 32, 32), testing::Not(rejected));
+    for (const auto& [bytes, offset] : {std::pair{each.bytes() - 16, uint64_t{0}},
+                                        {each.bytes(), 16},
+                                        {each.bytes(), uint64_t{1} << 40},
+                                        {each.bytes(), ~uint64_t{0} - 15}}) {
+      const std::string message = resultOf(each, bytes, offset);
+      EXPECT_THAT(message, rejected) << bytes << ' ' << offset;
+      EXPECT_THAT(message, testing::StartsWith("Worlds::arrays." + std::string(each.name) + " "));
+    }
+  }
+  // With so many worlds, the number of bytes of the vertices is larger than 2^64.
+  worlds.count = ~0u;
+  worlds.meshes.assign(size_t{1} << 22, worlds.meshes[0]);
+  worlds.arrays = {.vertices = worlds.arrays.vertices};
+  worlds.joints.clear(), worlds.palette.clear(), worlds.environments.clear();
+  EXPECT_THAT(rejectionOf([&] { renderer.render(worlds, options("compute")); }), rejected);
+}
+
 }  // namespace
 }  // namespace latelight

@@ -423,6 +423,25 @@ TEST(WorldCast, RejectsArraysOfAnotherRenderer) {
               HasSubstr("WorldRays::origins is empty"));
 }
 
+TEST(WorldCast, RejectsRaysThatExtendBeyondTheirMemory) {
+  const BoxScene made;
+  Renderer renderer(made.scene, testDevice());
+  const ParallelRays<float> rays(4);
+  constexpr uint64_t kBytes = 5 * 4 * 3 * sizeof(float);  // of five worlds
+  const std::shared_ptr<const DeviceArray> memory = renderer.inputArray(kBytes);
+  if (!memory->host()) GTEST_SKIP() << "the host writes no memory of this device";
+  const auto resultOf = [&](uint64_t offset) {
+    WorldRays from = rays.get();
+    from.origins = {.device = memory, .offset = offset};
+    return rejectionOf([&] { renderer.cast(movedBoxes(made.box), from); });
+  };
+  EXPECT_EQ(resultOf(0), "nothing was rejected");
+  for (const uint64_t offset : {uint64_t{16}, kBytes, uint64_t{1} << 40, ~uint64_t{0} - 15})
+    EXPECT_EQ(resultOf(offset), "the rays of worlds extend beyond their memory") << offset;
+  for (const uint64_t bytes : {uint64_t{1} << 60, ~uint64_t{0} - 15, ~uint64_t{0}})
+    EXPECT_THROW(renderer.inputArray(bytes), Error) << bytes;
+}
+
 TEST(WorldCast, RejectsWrongArrays) {
   const BoxScene made;
   Renderer renderer(made.scene, testDevice());
