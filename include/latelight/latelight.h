@@ -335,7 +335,7 @@ LATELIGHT_API EnvironmentData readEnvironment(const std::string& file);
 // created.
 //
 // An invalid edit throws Error(Usage) with a sentence that names the reason, and changes nothing. During an edit, no
-// other thread may use a renderer of the scene.
+// other thread may use a renderer of the scene. Every function of a scene that was moved from throws Error(Usage).
 class LATELIGHT_API Scene {
  public:
   Scene();  // an empty scene, in glTF's frame
@@ -451,6 +451,7 @@ class LATELIGHT_API Scene {
  private:
   friend class Renderer;
   struct Impl;
+  Impl& filled() const;  // throws Error(Usage) after the scene was moved
   std::unique_ptr<Impl> impl_;
 };
 
@@ -934,7 +935,8 @@ class LATELIGHT_API CastTicket {
 //
 // A renderer belongs to the process that created it. In a forked process, every function of the renderer and of its
 // tickets throws Error(Usage), as does DeviceArray::exportMemory(), and destructors do not access the device. The scene
-// can be used there, and so can a new renderer of it.
+// can be used there, and so can a new renderer of it. Every function of a renderer that was moved from throws
+// Error(Usage).
 class LATELIGHT_API Renderer {
  public:
   // `device` is "auto", "cpu", "cuda:N" (CUDA's device N), an index, a part of a name, or a UUID. `environment` is a
@@ -1067,6 +1069,7 @@ class LATELIGHT_API Renderer {
   friend class CastTicket;
   friend class Ticket;
   struct Impl;
+  Impl& filled() const;         // throws Error(Usage) after the renderer was moved, and in a forked process
   std::shared_ptr<Impl> impl_;  // shared with its tickets
 };
 

@@ -129,7 +129,7 @@ void Scene::Impl::addDeformation(const MeshData& from, const scene::VertexSource
 
 std::string Scene::addNode(const NodeData& node) {
   scene::NewNode added{.name = node.name, .parent = -1, .transform = {.hasMatrix = node.matrix.has_value()}};
-  if (!node.parent.empty()) added.parent = static_cast<int>(impl_->nodeAt(node.parent));
+  if (!node.parent.empty()) added.parent = static_cast<int>(filled().nodeAt(node.parent));
   if (node.matrix) added.transform.matrix = matrixOf(*node.matrix);
   for (int i = 0; i < 3; ++i) {
     added.transform.translation[i] = node.translation[static_cast<size_t>(i)];
@@ -137,24 +137,25 @@ std::string Scene::addNode(const NodeData& node) {
   }
   for (int i = 0; i < 4; ++i) added.transform.rotation[i] = node.rotation[static_cast<size_t>(i)];
   added.transform.weights = node.weights;
-  for (const NodePart& part : node.parts) added.parts.push_back({impl_->index(part.mesh), impl_->index(part.material)});
-  return impl_->scene.nodes[scene::addNode(impl_->scene, added)].path;
+  for (const NodePart& part : node.parts)
+    added.parts.push_back({filled().index(part.mesh), filled().index(part.material)});
+  return filled().scene.nodes[scene::addNode(filled().scene, added)].path;
 }
 
 void Scene::setNodeTransform(const std::string& node, const Transform& parentFromNode) {
-  scene::setNodeTransform(impl_->scene, impl_->nodeAt(node), matrixOf(parentFromNode));
-  for (size_t i = 0; i < impl_->cameras.size(); ++i)
-    if (const scene::Camera& camera = impl_->scene.cameras[i]; camera.node >= 0)
-      impl_->cameras[i] = impl_->posedCamera(i, camera);
+  scene::setNodeTransform(filled().scene, filled().nodeAt(node), matrixOf(parentFromNode));
+  for (size_t i = 0; i < filled().cameras.size(); ++i)
+    if (const scene::Camera& camera = filled().scene.cameras[i]; camera.node >= 0)
+      filled().cameras[i] = filled().posedCamera(i, camera);
 }
 
 Handle<Skin> Scene::addSkin(const Skin& skin) {
   std::vector<uint32_t> joints;
-  for (const std::string& joint : skin.joints) joints.push_back(impl_->nodeAt(joint));
+  for (const std::string& joint : skin.joints) joints.push_back(filled().nodeAt(joint));
   std::vector<mat4> inverseBind;
   for (const Transform& transform : skin.inverseBind) inverseBind.emplace_back(matrixOf(transform));
   if (skin.inverseBind.empty()) inverseBind.assign(joints.size(), mat4(1));
-  return impl_->skin(scene::addSkin(impl_->scene, joints, std::move(inverseBind)));
+  return filled().skin(scene::addSkin(filled().scene, joints, std::move(inverseBind)));
 }
 
 // --- animations -----------------------------------------------------------------------------------------------------
@@ -175,27 +176,27 @@ void Scene::addAnimation(const std::string& name, const std::vector<AnimationCha
     track.interpolation = kInterpolations[interpolation];
     track.times = channel.times;
     track.values = channel.values;
-    track.node = scene::rigNodeOf(impl_->scene, impl_->nodeAt(channel.node));
+    track.node = scene::rigNodeOf(filled().scene, filled().nodeAt(channel.node));
     track.property = kProperties[property];
     if (track.property == scene::AnimatedProperty::Visible)
       for (float& value : track.values) value = value != 0 ? 1.0f : 0.0f;
     animation.tracks.push_back(std::move(track));
   }
-  scene::addAnimation(impl_->scene, std::move(animation));
-  const scene::Animation& made = impl_->scene.rig.animations.back();
-  impl_->animations.push_back({made.name, made.duration});
+  scene::addAnimation(filled().scene, std::move(animation));
+  const scene::Animation& made = filled().scene.rig.animations.back();
+  filled().animations.push_back({made.name, made.duration});
 }
 
 // --- lights that follow nodes ---------------------------------------------------------------------------------------
 
 Handle<Light> Scene::addLight(const Light& values, const std::string& node) {
-  const uint32_t index = impl_->nodeAt(node);
-  scene::rigNodeOf(impl_->scene, index);
-  scene::Light light = internalLight(values, impl_->scene);
+  const uint32_t index = filled().nodeAt(node);
+  scene::rigNodeOf(filled().scene, index);
+  scene::Light light = internalLight(values, filled().scene);
   light.node = static_cast<int>(index);
-  light.hidden = scene::isHiddenAtRest(impl_->scene, index);
-  scene::placeLight(light, scene::toGltfFromWorld() * impl_->scene.nodes[index].toWorld);
-  return impl_->light(scene::addLight(impl_->scene, light));
+  light.hidden = scene::isHiddenAtRest(filled().scene, index);
+  scene::placeLight(light, scene::toGltfFromWorld() * filled().scene.nodes[index].toWorld);
+  return filled().light(scene::addLight(filled().scene, light));
 }
 
 }  // namespace latelight

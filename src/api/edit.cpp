@@ -371,7 +371,7 @@ uint32_t Scene::Impl::index(Handle<Texture> h) const {
 // --- nodes ----------------------------------------------------------------------------------------------------------
 
 std::vector<Node> Scene::nodes() const {
-  const scene::Scene& scene = impl_->scene;
+  const scene::Scene& scene = filled().scene;
   std::vector<Node> nodes;
   for (const scene::Node& node : scene.nodes) {
     if (node.path.empty()) continue;  // an unused slot
@@ -388,8 +388,8 @@ uint32_t Scene::Impl::nodeAt(const std::string& path) const {
 }
 
 std::vector<std::string> Scene::joints(Handle<Instance> instance) const {
-  const scene::Scene& scene = impl_->scene;
-  const auto& deformation = scene.meshes[scene.instances[impl_->index(instance)].mesh].deformation;
+  const scene::Scene& scene = filled().scene;
+  const auto& deformation = scene.meshes[scene.instances[filled().index(instance)].mesh].deformation;
   std::vector<std::string> paths;
   if (!deformation || deformation->skin < 0) return paths;
   for (const uint32_t joint : scene.rig.skins[static_cast<size_t>(deformation->skin)].joints) {
@@ -412,9 +412,9 @@ uint32_t Scene::Impl::jointOf(const std::string& path) const {
 }
 
 std::optional<Bounds> Scene::bounds() const {
-  const scene::Bounds world = scene::vertexBounds(impl_->scene);
+  const scene::Bounds world = scene::vertexBounds(filled().scene);
   if (world.empty()) return std::nullopt;
-  const dmat4 toFile = fileFromWorld(impl_->scene);  // rotates by right angles
+  const dmat4 toFile = fileFromWorld(filled().scene);  // rotates by right angles
   const dvec3 a(toFile * dvec4(world.min, 1)), b(toFile * dvec4(world.max, 1));
   return Bounds{three(glm::min(a, b)), three(glm::max(a, b))};
 }
@@ -422,102 +422,102 @@ std::optional<Bounds> Scene::bounds() const {
 // --- instances ------------------------------------------------------------------------------------------------------
 
 std::vector<Handle<Instance>> Scene::instances() const {
-  return impl_->handles(impl_->scene.instances, &Impl::instance);
+  return filled().handles(filled().scene.instances, &Impl::instance);
 }
 
 std::vector<Handle<Instance>> Scene::instancesOf(const std::string& node) const {
-  const scene::Scene& scene = impl_->scene;
-  const uint32_t found = impl_->nodeAt(node);
+  const scene::Scene& scene = filled().scene;
+  const uint32_t found = filled().nodeAt(node);
   std::vector<Handle<Instance>> all;
   for (uint32_t i = 0; i < scene.instances.size(); ++i)
-    if (!scene.instances[i].removed && scene.instances[i].node == found) all.push_back(impl_->instance(i));
+    if (!scene.instances[i].removed && scene.instances[i].node == found) all.push_back(filled().instance(i));
   return all;
 }
 
 Instance Scene::instance(Handle<Instance> instance) const {
-  const scene::Scene& scene = impl_->scene;
-  const scene::Instance& from = scene.instances[impl_->index(instance)];
+  const scene::Scene& scene = filled().scene;
+  const scene::Instance& from = scene.instances[filled().index(instance)];
   return {scene.nodes[from.node].path,
-          impl_->mesh(from.mesh),
-          impl_->material(from.material),
+          filled().mesh(from.mesh),
+          filled().material(from.material),
           publicTransform(from.toWorld, scene),
           from.id,
           from.part};
 }
 
 void Scene::setTransform(Handle<Instance> instance, const Transform& transform) {
-  scene::setTransform(impl_->scene, impl_->index(instance), internalTransform(transform, impl_->scene));
+  scene::setTransform(filled().scene, filled().index(instance), internalTransform(transform, filled().scene));
 }
 
 void Scene::assignMaterial(Handle<Instance> instance, Handle<Material> material) {
-  scene::setMaterialOf(impl_->scene, impl_->index(instance), impl_->index(material));
+  scene::setMaterialOf(filled().scene, filled().index(instance), filled().index(material));
 }
 
 Handle<Instance> Scene::addInstance(Handle<Mesh> mesh, Handle<Material> material, const Transform& transform,
                                     const std::string& name) {
-  return impl_->instance(scene::addInstance(impl_->scene, impl_->index(mesh), impl_->index(material),
-                                            internalTransform(transform, impl_->scene), name));
+  return filled().instance(scene::addInstance(filled().scene, filled().index(mesh), filled().index(material),
+                                              internalTransform(transform, filled().scene), name));
 }
 
 void Scene::removeInstance(Handle<Instance> instance) {
-  scene::removeInstance(impl_->scene, impl_->index(instance));
+  scene::removeInstance(filled().scene, filled().index(instance));
 }
 
 // --- materials ------------------------------------------------------------------------------------------------------
 
 std::vector<Handle<Material>> Scene::materials() const {
-  return impl_->handles(impl_->scene.materials, &Impl::material);
+  return filled().handles(filled().scene.materials, &Impl::material);
 }
 
 Material Scene::material(Handle<Material> material) const {
-  return publicMaterial(impl_->scene.materials[impl_->index(material)]);
+  return publicMaterial(filled().scene.materials[filled().index(material)]);
 }
 
 void Scene::setMaterial(Handle<Material> material, const Material& values) {
-  const uint32_t index = impl_->index(material);
-  scene::setMaterial(impl_->scene, index, internalMaterial(values, impl_->scene.materials[index]));
+  const uint32_t index = filled().index(material);
+  scene::setMaterial(filled().scene, index, internalMaterial(values, filled().scene.materials[index]));
 }
 
 Handle<Material> Scene::addMaterial(const Material& values, std::optional<Handle<Material>> texturesOf) {
-  const scene::Material like = texturesOf ? impl_->scene.materials[impl_->index(*texturesOf)] : untextured();
-  return impl_->material(scene::addMaterial(impl_->scene, internalMaterial(values, like)));
+  const scene::Material like = texturesOf ? filled().scene.materials[filled().index(*texturesOf)] : untextured();
+  return filled().material(scene::addMaterial(filled().scene, internalMaterial(values, like)));
 }
 
 void Scene::removeMaterial(Handle<Material> material) {
-  scene::removeMaterial(impl_->scene, impl_->index(material));
+  scene::removeMaterial(filled().scene, filled().index(material));
 }
 
 // --- lights ---------------------------------------------------------------------------------------------------------
 
 std::vector<Handle<Light>> Scene::lights() const {
-  return impl_->handles(impl_->scene.lights, &Impl::light);
+  return filled().handles(filled().scene.lights, &Impl::light);
 }
 
 Light Scene::light(Handle<Light> light) const {
-  return publicLight(impl_->scene.lights[impl_->index(light)], impl_->scene);
+  return publicLight(filled().scene.lights[filled().index(light)], filled().scene);
 }
 
 void Scene::setLight(Handle<Light> light, const Light& values) {
-  const uint32_t index = impl_->index(light);
-  scene::setLight(impl_->scene, index, internalLight(values, impl_->scene, impl_->scene.lights[index]));
+  const uint32_t index = filled().index(light);
+  scene::setLight(filled().scene, index, internalLight(values, filled().scene, filled().scene.lights[index]));
 }
 
 Handle<Light> Scene::addLight(const Light& values) {
-  return impl_->light(scene::addLight(impl_->scene, internalLight(values, impl_->scene)));
+  return filled().light(scene::addLight(filled().scene, internalLight(values, filled().scene)));
 }
 
 void Scene::removeLight(Handle<Light> light) {
-  scene::removeLight(impl_->scene, impl_->index(light));
+  scene::removeLight(filled().scene, filled().index(light));
 }
 
 // --- meshes ---------------------------------------------------------------------------------------------------------
 
 std::vector<Handle<Mesh>> Scene::meshes() const {
-  return impl_->handles(impl_->scene.meshes, &Impl::mesh);
+  return filled().handles(filled().scene.meshes, &Impl::mesh);
 }
 
 Mesh Scene::mesh(Handle<Mesh> mesh) const {
-  const scene::Mesh& from = impl_->scene.meshes[impl_->index(mesh)];
+  const scene::Mesh& from = filled().scene.meshes[filled().index(mesh)];
   return {from.name,
           from.positions.size(),
           from.indices.size() / 3,
@@ -527,28 +527,28 @@ Mesh Scene::mesh(Handle<Mesh> mesh) const {
 }
 
 MeshData Scene::meshData(Handle<Mesh> mesh) const {
-  return publicMeshData(impl_->scene.meshes[impl_->index(mesh)]);
+  return publicMeshData(filled().scene.meshes[filled().index(mesh)]);
 }
 
 void Scene::setMesh(Handle<Mesh> mesh, const MeshData& data) {
-  const uint32_t index = impl_->index(mesh);
-  const scene::Mesh& before = impl_->scene.meshes[index];
+  const uint32_t index = filled().index(mesh);
+  const scene::Mesh& before = filled().scene.meshes[index];
   scene::VertexSources sources;
   scene::Mesh made = internalMesh(data, sources);
   if (made.name.empty()) made.name = before.name;
-  impl_->addDeformation(data, sources, before.deformation ? before.deformation->weightsNode : -1, made);
-  scene::setMesh(impl_->scene, index, std::move(made));
+  filled().addDeformation(data, sources, before.deformation ? before.deformation->weightsNode : -1, made);
+  scene::setMesh(filled().scene, index, std::move(made));
 }
 
 Handle<Mesh> Scene::addMesh(const MeshData& data) {
   scene::VertexSources sources;
   scene::Mesh made = internalMesh(data, sources);
-  impl_->addDeformation(data, sources, -1, made);
-  return impl_->mesh(scene::addMesh(impl_->scene, std::move(made)));
+  filled().addDeformation(data, sources, -1, made);
+  return filled().mesh(scene::addMesh(filled().scene, std::move(made)));
 }
 
 void Scene::removeMesh(Handle<Mesh> mesh) {
-  scene::removeMesh(impl_->scene, impl_->index(mesh));
+  scene::removeMesh(filled().scene, filled().index(mesh));
 }
 
 }  // namespace latelight

@@ -116,20 +116,20 @@ std::vector<KeypointLabel> publicKeypoints(const std::vector<labels::ProjectedKe
 }  // namespace
 
 Labels Renderer::labels(const Camera& camera, const Options& options) {
-  const Impl::LabelInput input = impl_->labelInput(camera, options);
+  const Impl::LabelInput input = filled().labelInput(camera, options);
   return publicLabels(std::move(
       labels::labelObjects(impl_->renderer, impl_->scene, {&input.camera, 1}, input.settings, input.moment).front()));
 }
 
 std::vector<KeypointLabel> Renderer::keypoints(const Camera& camera, const std::vector<Keypoint>& keypoints,
                                                const Options& options) {
-  const Impl::LabelInput input = impl_->labelInput(camera, options);
+  const Impl::LabelInput input = filled().labelInput(camera, options);
   return publicKeypoints(labels::projectKeypoints(impl_->renderer, impl_->scene, input.camera, input.settings,
                                                   input.moment, internalKeypoints(keypoints)));
 }
 
 std::vector<Labels> Renderer::labels(const Worlds& worlds, const Options& options) {
-  const Impl::WorldLabelInput input = impl_->worldLabelInput(worlds, options);
+  const Impl::WorldLabelInput input = filled().worldLabelInput(worlds, options);
   std::vector<Labels> all;
   for (labels::PictureLabels& each :
        labels::labelObjects(impl_->renderer, impl_->scene, input.cameras, input.settings, input.moment))
@@ -140,7 +140,7 @@ std::vector<Labels> Renderer::labels(const Worlds& worlds, const Options& option
 std::vector<std::vector<KeypointLabel>> Renderer::keypoints(const Worlds& worlds,
                                                             const std::vector<Keypoint>& keypoints,
                                                             const Options& options) {
-  const Impl::WorldLabelInput input = impl_->worldLabelInput(worlds, options);
+  const Impl::WorldLabelInput input = filled().worldLabelInput(worlds, options);
   std::vector<std::vector<KeypointLabel>> all;
   for (const auto& each : labels::projectKeypointsOfWorlds(impl_->renderer, impl_->scene, input.cameras, input.settings,
                                                            input.moment, internalKeypoints(keypoints)))
@@ -150,11 +150,11 @@ std::vector<std::vector<KeypointLabel>> Renderer::keypoints(const Worlds& worlds
 
 Correspondence Renderer::correspond(const Camera& first, const Camera& second, const Options& options,
                                     std::optional<double> secondTime) {
-  const Impl::LabelInput input = impl_->labelInput(first, options);
+  const Impl::LabelInput input = filled().labelInput(first, options);
   if (secondTime && !input.settings.time)
     badUsage("the second image has a time, so the first needs one as well: set Options::time");
   if (secondTime && !std::isfinite(*secondTime)) badUsage("the time must be a number of seconds");
-  const scene::Camera other = impl_->labelInput(second, options).camera;
+  const scene::Camera other = filled().labelInput(second, options).camera;
   const scene::Pose then = poseAtTime(impl_->scene, input.settings, secondTime);
   labels::Correspondence found = labels::correspond(
       impl_->renderer, impl_->scene, {input.camera, input.moment.poses.current}, {other, then}, input.settings);
@@ -225,9 +225,9 @@ WorldSights sightsTo(std::span<const labels::LocatedPixels> views, std::span<con
 }  // namespace
 
 std::vector<Correspondence> Renderer::correspond(const Worlds& worlds, const Options& options) {
-  Impl::WorldLabelInput input = impl_->worldLabelInput(worlds, options);
+  Impl::WorldLabelInput input = filled().worldLabelInput(worlds, options);
   const Worlds next = nextFrameOf(worlds);
-  const std::vector<scene::Camera> seconds = impl_->worldLabelInput(next, options).cameras;
+  const std::vector<scene::Camera> seconds = filled().worldLabelInput(next, options).cameras;
   input.settings.display = false;
   input.settings.aovs = {output::Aov::Id, output::Aov::Position, output::Aov::SceneFlow};
   const bool zUp = input.settings.axes == render::Axes::ZUp;

@@ -296,26 +296,31 @@ Scene::~Scene() = default;
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
 
+Scene::Impl& Scene::filled() const {
+  if (!impl_) badUsage("this scene has been moved to another object: use that one");
+  return *impl_;
+}
+
 uint64_t Scene::triangleCount() const {
-  return impl_->scene.triangleCount();
+  return filled().scene.triangleCount();
 }
 void Scene::exportTo(const std::string& file) const {
-  exports::exportScene(impl_->scene, file);
+  exports::exportScene(filled().scene, file);
 }
 void Scene::setEnvironment(const EnvironmentData& environment) {
   auto made = std::make_shared<scene::Environment>(makeEnvironment(environment));
   made->name = "environment of the scene";
-  impl_->scene.environment = std::move(made);
+  filled().scene.environment = std::move(made);
 }
 std::string Scene::idManifest() const {
-  return output::idManifestText(render::idManifest(impl_->scene));
+  return output::idManifestText(render::idManifest(filled().scene));
 }
 const std::vector<Camera>& Scene::cameras() const {
-  return impl_->cameras;
+  return filled().cameras;
 }
 
 const std::vector<Animation>& Scene::animations() const {
-  return impl_->animations;
+  return filled().animations;
 }
 
 Camera Scene::Impl::posedCamera(size_t index, const scene::Camera& posed) const {
@@ -328,43 +333,43 @@ Camera Scene::Impl::posedCamera(size_t index, const scene::Camera& posed) const 
 
 void Scene::addCamera(const Camera& camera) {
   shutterOf(camera, 0), readoutOf(camera, 0), exposureOf(camera, 0);  // reject invalid values
-  const size_t index = impl_->cameras.size();
-  impl_->scene.cameras.push_back(internalCamera(camera, impl_->scene));
-  impl_->cameras.push_back(camera);
-  impl_->cameras[index] = impl_->posedCamera(index, impl_->scene.cameras[index]);
+  const size_t index = filled().cameras.size();
+  filled().scene.cameras.push_back(internalCamera(camera, filled().scene));
+  filled().cameras.push_back(camera);
+  filled().cameras[index] = filled().posedCamera(index, filled().scene.cameras[index]);
 }
 
 void Scene::addCamera(const Camera& camera, const std::string& node) {
-  const uint32_t index = impl_->nodeAt(node);
-  scene::rigNodeOf(impl_->scene, index);
+  const uint32_t index = filled().nodeAt(node);
+  scene::rigNodeOf(filled().scene, index);
   addCamera(camera);
-  scene::Camera& added = impl_->scene.cameras.back();
+  scene::Camera& added = filled().scene.cameras.back();
   added.node = static_cast<int>(index);
-  impl_->scene.nodes[index].followed = true;
-  scene::placeCamera(added, scene::toGltfFromWorld() * impl_->scene.nodes[index].toWorld);
-  impl_->cameras.back() = impl_->posedCamera(impl_->cameras.size() - 1, added);
+  filled().scene.nodes[index].followed = true;
+  scene::placeCamera(added, scene::toGltfFromWorld() * filled().scene.nodes[index].toWorld);
+  filled().cameras.back() = filled().posedCamera(filled().cameras.size() - 1, added);
 }
 
 std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, bool loop) const {
   checkTime(time);
-  const scene::Scene& scene = impl_->scene;
+  const scene::Scene& scene = filled().scene;
   const scene::Pose pose = scene::poseAt(scene, scene::choosePlayback(scene, animation, loop), time);
   std::vector<Camera> cameras;
   for (const scene::Camera& posed : scene::posedCameras(scene, pose))
-    cameras.push_back(impl_->posedCamera(cameras.size(), posed));
+    cameras.push_back(filled().posedCamera(cameras.size(), posed));
   return cameras;
 }
 
 Camera Scene::defaultCamera(float aspect, std::optional<double> time, const std::string& animation, bool loop) const {
-  if (!impl_->cameras.empty()) return time ? camerasAt(*time, animation, loop).front() : impl_->cameras.front();
+  if (!filled().cameras.empty()) return time ? camerasAt(*time, animation, loop).front() : filled().cameras.front();
   if (!(aspect > 0) || !std::isfinite(aspect)) badUsage("a picture's aspect must be a number above 0, not {}", aspect);
-  return publicCamera(scene::frameScene(impl_->scene, aspect), impl_->scene);
+  return publicCamera(scene::frameScene(filled().scene, aspect), filled().scene);
 }
 
 Camera Scene::lookAt(std::array<double, 3> eye, std::array<double, 3> target, float verticalFov) const {
-  return publicCamera(scene::lookAt(impl_->scene, {eye[0], eye[1], eye[2]}, {target[0], target[1], target[2]}, {},
+  return publicCamera(scene::lookAt(filled().scene, {eye[0], eye[1], eye[2]}, {target[0], target[1], target[2]}, {},
                                     verticalFov / kDegreesPerRadian),
-                      impl_->scene);
+                      filled().scene);
 }
 
 namespace {
@@ -379,34 +384,39 @@ Impl& usable(const std::shared_ptr<Impl>& renderer) {
 }  // namespace
 
 Renderer::Renderer(const Scene& scene, const std::string& device, const EnvironmentData& environment)
-    : impl_(ownedByProcess(new Impl(*scene.impl_, device, makeEnvironment(environment)))) {}
+    : impl_(ownedByProcess(new Impl(scene.filled(), device, makeEnvironment(environment)))) {}
 Renderer::Renderer(const Scene& scene, const std::string& device, const std::string& environment)
     : impl_(ownedByProcess(
-          new Impl(*scene.impl_, device,
-                   render::loadEnvironment(scene.impl_->scene,
-                                           render::environmentName(scene.impl_->scene, environment, false))))) {}
+          new Impl(scene.filled(), device,
+                   render::loadEnvironment(scene.filled().scene,
+                                           render::environmentName(scene.filled().scene, environment, false))))) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
+Renderer::Impl& Renderer::filled() const {
+  if (!impl_) badUsage("this renderer has been moved to another object: use that one");
+  return usable(impl_);
+}
+
 const std::string& Renderer::deviceName() const {
-  return usable(impl_).device->info().name;
+  return filled().device->info().name;
 }
 
 const std::string& Renderer::deviceUuid() const {
-  return usable(impl_).device->info().uuid;
+  return filled().device->info().uuid;
 }
 
 std::vector<std::string> Renderer::validationMessages() {
-  return usable(impl_).device->validationMessages();
+  return filled().device->validationMessages();
 }
 
 void Renderer::whileWaiting(std::function<void()> check) {
-  usable(impl_).device->whileWaiting(std::move(check));
+  filled().device->whileWaiting(std::move(check));
 }
 
 void Renderer::finish() {
-  usable(impl_).device->finish();
+  filled().device->finish();
 }
 
 Frame Renderer::render(const Camera& camera, const Options& options) {
@@ -589,7 +599,7 @@ void checkFormats(const Options& options, Results results) {
 
 Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options, Results results,
                         const std::map<std::string, DeviceArray>& targets) {
-  usable(impl_);
+  filled();
   checkFormats(options, results);
   if (cameras.empty()) badUsage("nothing can be rendered without a camera");
   const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
@@ -623,7 +633,7 @@ std::vector<const scene::Environment*> Renderer::Impl::environmentsOf(const std:
 
 Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results results,
                         const std::map<std::string, DeviceArray>& targets) {
-  usable(impl_);
+  filled();
   checkFormats(options, results);
   if (!options.previousCameras.empty() || !options.nextCameras.empty())
     badUsage("worlds have previous and next cameras of their own: leave those of the options empty");
@@ -644,7 +654,7 @@ Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results re
 }
 
 std::shared_ptr<const DeviceArray> Renderer::inputArray(uint64_t bytes) {
-  vk::Device& device = *usable(impl_).device;
+  vk::Device& device = *filled().device;
   auto array = std::make_shared<DeviceArray>();
   array->element = DeviceArray::Element::Uint8;
   array->shape = {1, 1, 1, bytes};
@@ -655,7 +665,7 @@ std::shared_ptr<const DeviceArray> Renderer::inputArray(uint64_t bytes) {
 }
 
 int Renderer::exportInputSemaphore() {
-  Impl& impl = usable(impl_);
+  Impl& impl = filled();
   if (!impl.inputTimeline) impl.inputTimeline.emplace(*impl.device);
   return impl.inputTimeline->exportSemaphore();
 }
@@ -669,14 +679,15 @@ const std::vector<uint32_t>& Ticket::invalidWorlds() const {
 
 std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
                                  const Options& options) {
-  const render::Settings settings = withExposure(settingsFor(*usable(impl_).device, options, impl_->scene), camera);
+  Impl& impl = filled();
+  const render::Settings settings = withExposure(settingsFor(*impl.device, options, impl.scene), camera);
   std::vector<glm::uvec2> places;
   for (const auto& [x, y] : pixels) places.push_back({x, y});
   const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };
   std::vector<Pick> picks;
-  const scene::Camera view = render::fitted(internalCamera(camera, impl_->scene), settings.cameraFit);
-  const render::SceneState moment = internalState(options, settings, impl_->scene, 1);
-  for (const render::Picked& p : render::pick(impl_->renderer, impl_->scene, view, settings, places, moment).picked)
+  const scene::Camera view = render::fitted(internalCamera(camera, impl.scene), settings.cameraFit);
+  const render::SceneState moment = internalState(options, settings, impl.scene, 1);
+  for (const render::Picked& p : render::pick(impl.renderer, impl.scene, view, settings, places, moment).picked)
     picks.push_back({p.id,
                      p.part,
                      p.node,
@@ -792,7 +803,7 @@ render::CastTicket submitTo(Impl& impl, const render::CastRays& rays, const Cast
 
 CastHits Renderer::cast(std::span<const std::array<double, 3>> origins,
                         std::span<const std::array<double, 3>> directions, const Options& options, double maxDistance) {
-  usable(impl_);
+  filled();
   CastHits hits;
   render::HitMemory<CastTargets, CastHits> memory(hits, origins.size());
   submitTo(*impl_, raysOf(origins, directions, maxDistance), memory.targets(), options, [&] { memory.wait(); }).take();
@@ -801,12 +812,12 @@ CastHits Renderer::cast(std::span<const std::array<double, 3>> origins,
 
 void Renderer::cast(std::span<const std::array<double, 3>> origins, std::span<const std::array<double, 3>> directions,
                     const CastTargets& targets, const Options& options, double maxDistance) {
-  submitTo(usable(impl_), raysOf(origins, directions, maxDistance), targets, options).take();
+  submitTo(filled(), raysOf(origins, directions, maxDistance), targets, options).take();
 }
 
 void Renderer::cast(std::span<const std::array<float, 3>> origins, std::span<const std::array<float, 3>> directions,
                     const CastTargets& targets, const Options& options, double maxDistance) {
-  submitTo(usable(impl_), raysOf(origins, directions, maxDistance), targets, options).take();
+  submitTo(filled(), raysOf(origins, directions, maxDistance), targets, options).take();
 }
 
 struct CastTicket::Impl {
@@ -870,15 +881,15 @@ std::map<std::string, DeviceArray> CastTicket::takeArrays() {
 CastTicket Renderer::submitCast(std::span<const std::array<double, 3>> origins,
                                 std::span<const std::array<double, 3>> directions, const CastTargets& targets,
                                 const Options& options, double maxDistance) {
-  return CastTicket::Impl::submitted(
-      impl_, submitTo(usable(impl_), raysOf(origins, directions, maxDistance), targets, options));
+  return CastTicket::Impl::submitted(impl_,
+                                     submitTo(filled(), raysOf(origins, directions, maxDistance), targets, options));
 }
 
 CastTicket Renderer::submitCast(std::span<const std::array<float, 3>> origins,
                                 std::span<const std::array<float, 3>> directions, const CastTargets& targets,
                                 const Options& options, double maxDistance) {
-  return CastTicket::Impl::submitted(
-      impl_, submitTo(usable(impl_), raysOf(origins, directions, maxDistance), targets, options));
+  return CastTicket::Impl::submitted(impl_,
+                                     submitTo(filled(), raysOf(origins, directions, maxDistance), targets, options));
 }
 
 namespace {
@@ -969,7 +980,7 @@ render::WorldCastTicket Renderer::Impl::submitCast(const Worlds& worlds, const W
 
 CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, const std::vector<std::string>& outputs,
                                 const Options& options, const std::map<std::string, DeviceArray>& targets) {
-  Impl& impl = usable(impl_);
+  Impl& impl = filled();
   checkRays(rays, worlds.count, *impl.device);
   DeviceArrayMemory::checkDistinct(targets);
   std::vector<render::WorldCast::Target> hits;
@@ -991,7 +1002,7 @@ void Renderer::cast(const Worlds& worlds, const WorldRays& rays, const CastTarge
 
 CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, const CastTargets& targets,
                                 const Options& options) {
-  Impl& impl = usable(impl_);
+  Impl& impl = filled();
   checkRays(rays, worlds.count, *impl.device);
   return CastTicket::Impl::submitted(
       impl_, impl.submitCast(worlds, rays, render::worldTargets(internalTargets(targets, worlds.count * rays.count)),

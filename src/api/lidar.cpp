@@ -91,12 +91,12 @@ LidarPattern lidarPattern(const SpinningLidar& s) {
 
 LidarPoints Renderer::scan(const LidarPattern& pattern, std::span<const Transform> poses, const LidarOptions& lidar,
                            const Options& options) {
-  const Impl::RayInput input = impl_->rayInput(options);
+  const Impl::RayInput input = filled().rayInput(options);
   const auto stateAt = [&](double seconds) {
     if (lidar.slices == 1) return input.moment;
     Options later = options;
     later.time = options.time.value_or(0) + seconds;
-    return impl_->rayInput(later).moment;
+    return filled().rayInput(later).moment;
   };
   lidar::Points points =
       lidar::scan(impl_->renderer, internalPattern(pattern), internalPoses(poses), stateAt, input.settings,

@@ -51,16 +51,16 @@ scene::TextureSlot internalSlot(const TextureUse& use, uint32_t texture) {
 }  // namespace
 
 std::vector<Handle<Texture>> Scene::textures() const {
-  return impl_->handles(impl_->scene.textures, &Impl::texture);
+  return filled().handles(filled().scene.textures, &Impl::texture);
 }
 
 Texture Scene::texture(Handle<Texture> texture) const {
-  const scene::Texture& from = impl_->scene.textures[impl_->index(texture)];
+  const scene::Texture& from = filled().scene.textures[filled().index(texture)];
   return {from.name, from.width, from.height, from.srgb};
 }
 
 TextureData Scene::textureData(Handle<Texture> texture) const {
-  const scene::Texture& from = impl_->scene.textures[impl_->index(texture)];
+  const scene::Texture& from = filled().scene.textures[filled().index(texture)];
   TextureData data{from.name, from.width, from.height, from.srgb, {}};
   data.rgba.resize(size_t{4} * from.width * from.height);
   std::memcpy(data.rgba.data(), from.pixels.get(), data.rgba.size());
@@ -68,42 +68,42 @@ TextureData Scene::textureData(Handle<Texture> texture) const {
 }
 
 Handle<Texture> Scene::addTexture(const TextureData& data) {
-  return impl_->texture(scene::addTexture(impl_->scene, internalTexture(data, impl_->scene)));
+  return filled().texture(scene::addTexture(filled().scene, internalTexture(data, filled().scene)));
 }
 
 void Scene::setTextureData(Handle<Texture> texture, const TextureData& data) {
-  const uint32_t index = impl_->index(texture);
-  scene::Texture made = internalTexture(data, impl_->scene);
-  if (made.name.empty()) made.name = impl_->scene.textures[index].name;
-  scene::setTexture(impl_->scene, index, std::move(made));
+  const uint32_t index = filled().index(texture);
+  scene::Texture made = internalTexture(data, filled().scene);
+  if (made.name.empty()) made.name = filled().scene.textures[index].name;
+  scene::setTexture(filled().scene, index, std::move(made));
 }
 
 void Scene::removeTexture(Handle<Texture> texture) {
-  scene::removeTexture(impl_->scene, impl_->index(texture));
+  scene::removeTexture(filled().scene, filled().index(texture));
 }
 
 std::optional<TextureUse> Scene::textureOf(Handle<Material> material, TextureSlot slot) const {
-  const scene::Material& from = impl_->scene.materials[impl_->index(material)];
+  const scene::Material& from = filled().scene.materials[filled().index(material)];
   const scene::TextureSlot& bound = from.slots[indexOf(slot)];
   if (bound.texture < 0) return std::nullopt;
-  return TextureUse{impl_->texture(static_cast<uint32_t>(bound.texture)), static_cast<Wrap>(bound.sampler.wrapU),
+  return TextureUse{filled().texture(static_cast<uint32_t>(bound.texture)), static_cast<Wrap>(bound.sampler.wrapU),
                     static_cast<Wrap>(bound.sampler.wrapV), bound.sampler.magnify == scene::Filter::Linear,
                     from.data.transforms[indexOf(slot)].uvSet};
 }
 
 void Scene::setTexture(Handle<Material> material, TextureSlot slot, const std::optional<TextureUse>& use) {
-  const uint32_t index = impl_->index(material);
+  const uint32_t index = filled().index(material);
   const size_t place = indexOf(slot);
-  scene::Material edited = impl_->scene.materials[index];
+  scene::Material edited = filled().scene.materials[index];
   edited.slots[place] = {};
   edited.data.textures &= ~(1u << place);
   if (use) {
     if (use->uvSet > 1) badUsage("a mesh has the texture coordinate sets 0 and 1, not {}", use->uvSet);
-    edited.slots[place] = internalSlot(*use, impl_->index(use->texture));
+    edited.slots[place] = internalSlot(*use, filled().index(use->texture));
     edited.data.textures |= 1u << place;
     edited.data.transforms[place].uvSet = use->uvSet;
   }
-  scene::setMaterial(impl_->scene, index, edited);
+  scene::setMaterial(filled().scene, index, edited);
 }
 
 }  // namespace latelight

@@ -309,5 +309,37 @@ TEST(EditApi, ValuesThatCannotBeAreRefused) {
   EXPECT_THAT(refusal([&] { scene.addMesh(mesh); }), HasSubstr("positions of the mesh \"square\""));
 }
 
+TEST(Api, ObjectsThatWereMovedAreRefused) {
+  Scene scene = punctual();
+  Renderer renderer(scene, test::testDevice());
+  Camera camera = scene.defaultCamera(1.5f);
+  const Scene movedScene = std::move(scene);
+  Renderer moved = std::move(renderer);
+  EXPECT_EQ(moved.render(camera, small()).rgba.size(), 4u * 48 * 32);
+  const std::string ofScene = "this scene has been moved to another object: use that one";
+  for (const std::function<void()>& call : std::initializer_list<std::function<void()>>{
+           [&] { scene.triangleCount(); }, [&] { scene.cameras(); }, [&] { scene.instances(); },
+           [&] { scene.addCamera(camera); }, [&] { scene.addMaterial({}); }, [&] { scene.textures(); },
+           [&] { scene.animations(); }, [&] { scene.addNode({}); }, [&] { scene.lookAt({}, {}, 40); },
+           [&] { Renderer of(scene, test::testDevice()); }, [&] { Renderer of(scene, test::testDevice(), "none"); }})
+    EXPECT_EQ(refusal(call), ofScene);
+  const std::string ofRenderer = "this renderer has been moved to another object: use that one";
+  const Worlds worlds{.count = 1, .cameras = {camera}};
+  const std::vector<std::array<double, 3>> rays(1);
+  for (const std::function<void()>& call : std::initializer_list<std::function<void()>>{
+           [&] { renderer.deviceName(); }, [&] { renderer.finish(); }, [&] { renderer.render(camera, small()); },
+           [&] { renderer.submit(worlds); }, [&] { renderer.inputArray(16); },
+           [&] {
+             renderer.pick(camera, {{0, 0}});
+           },
+           [&] { renderer.cast(rays, rays); }, [&] { renderer.cast(rays, rays, CastTargets{}); },
+           [&] { renderer.submitCast(worlds, {}); }, [&] { renderer.labels(camera); }, [&] { renderer.labels(worlds); },
+           [&] { renderer.keypoints(camera, {}); }, [&] { renderer.correspond(camera, camera); },
+           [&] { renderer.correspond(worlds); }, [&] { renderer.scan({}, std::vector<Transform>{kAsItIs}); }})
+    EXPECT_EQ(refusal(call), ofRenderer);
+  renderer = std::move(moved);
+  EXPECT_EQ(renderer.render(camera, small()).rgba.size(), 4u * 48 * 32);
+}
+
 }  // namespace
 }  // namespace latelight
