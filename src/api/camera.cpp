@@ -1,5 +1,7 @@
 // Converts cameras of the public API.
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "api/scene.h"
 #include "api/transform.h"
@@ -37,13 +39,21 @@ bool isRigid(const glm::dmat4& pose, double tolerance) {
   return glm::determinant(axes) > 0;
 }
 
+float verticalFovOf(float degrees) {
+  const float radians = degrees / kDegreesPerRadian;
+  const float usable = std::clamp(radians, scene::kMinVerticalFov, scene::kMaxVerticalFov);
+  const bool isRounded = std::abs(radians - usable) <= 2 * std::numeric_limits<float>::epsilon() * usable;
+  return isRounded ? usable : radians;
+}
+
 scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
   const glm::dmat4 pose = matrixOf(camera.cameraToWorld);
   for (const double number : camera.cameraToWorld)
     if (!std::isfinite(number)) badUsage("the camera's pose has a value that is not a number");
   if (!isRigid(pose, 1e-3))
     badUsage("the camera's pose must be a rotation and a translation, without mirror, shear or scale, over 0 0 0 1");
-  if (!camera.orthographic && !scene::isUsableFieldOfView(camera.verticalFov / kDegreesPerRadian))
+  const float verticalFov = verticalFovOf(camera.verticalFov);
+  if (!camera.orthographic && !scene::isUsableFieldOfView(verticalFov))
     badUsage("the vertical field of view must be between 0 and 180 degrees, from {:g} to {:.6g}, not {}",
              scene::kMinVerticalFov * kDegreesPerRadian, scene::kMaxVerticalFov * kDegreesPerRadian,
              camera.verticalFov);
@@ -60,7 +70,7 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
   c.name = camera.name;
   c.toWorld = render::toWorldFromOpenCv(pose, scene);
   c.orthographic = camera.orthographic;
-  c.verticalFov = camera.verticalFov / kDegreesPerRadian;
+  c.verticalFov = verticalFov;
   c.yHalf = camera.halfHeight;
   c.aspect = camera.aspect;
   c.nearClip = camera.nearClip;

@@ -368,7 +368,7 @@ Camera Scene::defaultCamera(float aspect, std::optional<double> time, const std:
 
 Camera Scene::lookAt(std::array<double, 3> eye, std::array<double, 3> target, float verticalFov) const {
   return publicCamera(scene::lookAt(filled().scene, {eye[0], eye[1], eye[2]}, {target[0], target[1], target[2]}, {},
-                                    verticalFov / kDegreesPerRadian),
+                                    verticalFovOf(verticalFov)),
                       filled().scene);
 }
 

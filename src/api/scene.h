@@ -97,6 +97,8 @@ glm::dmat4 internalTransform(const Transform& rows, const scene::Scene& scene);
 // Returns true for a rotation and a translation of finite numbers, over 0 0 0 1. `tolerance`: of the products of axes.
 bool isRigid(const glm::dmat4& pose, double tolerance);
 scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene);
+// Converts degrees to radians. The limits of a field of view stay usable, although their degrees are rounded to floats.
+float verticalFovOf(float degrees);
 Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene);
 Light publicLight(const scene::Light& from, const scene::Scene& scene);
 // `like`: the light before the edit. The light keeps its node if it is not moved. Position and direction are compared

@@ -341,5 +341,22 @@ TEST(Api, ObjectsThatWereMovedAreRefused) {
   EXPECT_EQ(renderer.render(camera, small()).rgba.size(), 4u * 48 * 32);
 }
 
+// The limits of docs/conventions.md.
+TEST(Api, FieldsOfViewAtTheLimitsAreAccepted) {
+  Scene scene = punctual();
+  Renderer renderer(scene, test::testDevice());
+  Camera camera = scene.defaultCamera(1.5f);
+  for (const float degrees : {179.999f, 1e-7f}) {
+    camera.verticalFov = degrees;
+    EXPECT_EQ(renderer.render(camera, small()).rgba.size(), 4u * 48 * 32) << degrees;
+    EXPECT_NO_THROW(scene.lookAt({0, 0, 1}, {0, 0, 0}, degrees)) << degrees;
+  }
+  for (const float degrees : {179.9991f, 180.0f, 9.999e-8f, 0.0f, -1.0f, float(kNaN)}) {
+    camera.verticalFov = degrees;
+    EXPECT_THAT(refusal([&] { renderer.render(camera, small()); }), HasSubstr("from 1e-07 to 179.999, not")) << degrees;
+    EXPECT_THAT(refusal([&] { scene.lookAt({0, 0, 1}, {0, 0, 0}, degrees); }), HasSubstr("1e-07 to 179.999"));
+  }
+}
+
 }  // namespace
 }  // namespace latelight

@@ -145,6 +145,12 @@ def test_a_scaled_pose_is_refused_when_it_is_rendered(renderer):
         renderer.render(camera, SIZE)
 
 
+@pytest.mark.parametrize("degrees", [1e-7, 179.999])
+def test_the_limits_of_fields_of_view_are_accepted(renderer, degrees):
+    camera = latelight.Camera.look_at((4, -5, 3), (0, 0, 0), up=(0, 0, 1), vertical_fov=degrees)
+    assert renderer.render(camera, SIZE)["rgba"].shape == (48, 64, 4)
+
+
 def test_pictures_of_any_shape_show_the_whole_frame(renderer):
     camera = latelight.Camera.look_at((4, -5, 3), (0, 0, 0), up=(0, 0, 1), vertical_fov=50)
     camera.aspect = 2
