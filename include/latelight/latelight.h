@@ -52,7 +52,7 @@ struct Lens {
   LensModel model = LensModel::Pinhole;
   double width = 0, height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels; unused by equirectangular images and cube maps
-  std::array<double, 8> distortion{};     // the coefficients of the model come first
+  std::array<double, 8> distortion{};     // the coefficients of the model, then zeros
 };
 
 struct Camera {

@@ -298,6 +298,10 @@ void checkLens(const Lens& lens, uint32_t width, uint32_t height) {
   if (lens.model == LensModel::CubeMap && width != 6 * uint64_t{height})
     badUsage("a cube map is six squares side by side: its image must be six times as wide as high, not {}x{}", width,
              height);
+  for (size_t i = info.coefficients; i < lens.distortion.size(); ++i)
+    if (lens.distortion[i] != 0)
+      badUsage("a lens of the model {} has {} distortion coefficients: number {} must be 0, not {}", info.name,
+               info.coefficients == 0 ? "no" : std::to_string(info.coefficients), i + 1, lens.distortion[i]);
   if (!info.calibrated) return;
   if (!(lens.width > 0 && lens.height > 0 && std::isfinite(lens.width) && std::isfinite(lens.height)))
     badUsage("a {} lens needs the image size of its calibration", info.name);

@@ -358,5 +358,27 @@ TEST(Api, FieldsOfViewAtTheLimitsAreAccepted) {
   }
 }
 
+TEST(Api, SurplusDistortionCoefficientsAreRefused) {
+  Scene scene = punctual();
+  Renderer renderer(scene, test::testDevice());
+  Camera camera = scene.defaultCamera(1.5f);
+  const auto resultOf = [&](LensModel model, std::array<double, 8> distortion) {
+    camera.lens = Lens{model, 48, 32, 40, 40, 24, 16, distortion};
+    return refusal([&] { renderer.render(camera, small()); });
+  };
+  const std::string accepted = "nothing was refused";
+  EXPECT_EQ(resultOf(LensModel::Pinhole, {0.5}),
+            "a lens of the model pinhole has no distortion coefficients: number 1 must be 0, not 0.5");
+  EXPECT_EQ(resultOf(LensModel::Equirectangular, {0, 1}),
+            "a lens of the model equirectangular has no distortion coefficients: number 2 must be 0, not 1");
+  EXPECT_EQ(resultOf(LensModel::Fisheye, {0.1, 0, 0, 0, 0.5, 0.5}),
+            "a lens of the model fisheye has 4 distortion coefficients: number 5 must be 0, not 0.5");
+  EXPECT_EQ(resultOf(LensModel::FTheta, {0, 0.02, 0, 0, 0, 0, 7}),
+            "a lens of the model ftheta has 6 distortion coefficients: number 7 must be 0, not 7");
+  EXPECT_EQ(resultOf(LensModel::Fisheye, {0.1, 0.01, 0.001, 1e-4}), accepted);
+  EXPECT_EQ(resultOf(LensModel::FTheta, {0, 0.02, 1e-6, 1e-8, 1e-10, 1e-12}), accepted);
+  EXPECT_EQ(resultOf(LensModel::OpenCv, {0.1, 0, 0, 0, 0, 0.1, 0, 1e-3}), accepted);
+}
+
 }  // namespace
 }  // namespace latelight

@@ -151,6 +151,21 @@ def test_the_limits_of_fields_of_view_are_accepted(renderer, degrees):
     assert renderer.render(camera, SIZE)["rgba"].shape == (48, 64, 4)
 
 
+@pytest.mark.parametrize(
+    "model, distortion, words",
+    [
+        ("pinhole", [0.5, 0.2], "the model pinhole has no distortion coefficients: number 1 must be 0, not 0.5"),
+        ("fisheye", [0.1, 0, 0, 0, 0, 0.5], "the model fisheye has 4 distortion coefficients: number 6 must be 0"),
+        ("ftheta", [0, 0.02, 0, 0, 0, 0, 7], "the model ftheta has 6 distortion coefficients: number 7 must be 0"),
+        ("equirectangular", [1], "the model equirectangular has no distortion coefficients: number 1 must be 0"),
+    ],
+)
+def test_surplus_distortion_coefficients_are_refused_when_they_are_rendered(renderer, model, distortion, words):
+    lens = latelight.Lens(model=model, width=64, height=48, fx=30, fy=30, cx=32, cy=24, distortion=distortion)
+    with pytest.raises(latelight.UsageError, match=words):
+        renderer.render(latelight.Camera(lens=lens), SIZE)
+
+
 def test_pictures_of_any_shape_show_the_whole_frame(renderer):
     camera = latelight.Camera.look_at((4, -5, 3), (0, 0, 0), up=(0, 0, 1), vertical_fov=50)
     camera.aspect = 2
