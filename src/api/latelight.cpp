@@ -105,9 +105,7 @@ render::Settings internalSettings(const Options& o) {
 #define OPTION_EXPOSURE(member, ...) s.member = {o.member.ev, o.member.automatic};
 #include <latelight/options.def>
   s.display = o.picture;
-  std::string names;
-  for (const std::string& name : o.aovs) names += (names.empty() ? "" : ",") + name;
-  if (!names.empty()) s.aovs = output::parseAovs(names);
+  if (!o.aovs.empty()) s.aovs = output::parseAovs(fmt::format("{}", fmt::join(o.aovs, ",")));
   s.exports = internalFormats(o, s);
   render::checkSettings(s);
   return s;

@@ -380,5 +380,15 @@ TEST(Api, SurplusDistortionCoefficientsAreRefused) {
   EXPECT_EQ(resultOf(LensModel::OpenCv, {0.1, 0, 0, 0, 0, 0.1, 0, 1e-3}), accepted);
 }
 
+TEST(Api, EmptyNamesOfOutputsAreRefused) {
+  Scene scene = punctual();
+  Renderer renderer(scene, test::testDevice());
+  for (const std::vector<std::string>& names : {std::vector<std::string>{""}, {"", "depth"}, {"depth", ""}}) {
+    Options options = small();
+    options.aovs = names;
+    EXPECT_THAT(refusal([&] { renderer.render(scene.defaultCamera(1.5f), options); }), HasSubstr("no AOV \"\""));
+  }
+}
+
 }  // namespace
 }  // namespace latelight
