@@ -68,11 +68,21 @@ bool has(const nb::object& array, Elements elements) {
   return std::string_view(infoOf(elements).kinds).find(kindOf(array)) != std::string_view::npos;
 }
 
+// Returns true for an object with DLPack and none of NumPy's protocols. numpy.asarray() would wrap the object itself.
+bool hasOnlyDlpack(nb::handle value) {
+  if (!nb::hasattr(value, "__dlpack__")) return false;
+  for (const char* protocol : {"__array__", "__array_interface__", "__array_struct__"})
+    if (nb::hasattr(value, protocol)) return false;
+  return true;
+}
+
 // Returns true if Python or NumPy rejected the value. Exceptions from Python code have a traceback when they reach C++,
 // and errors such as MemoryError do not mean that the value has the wrong type.
 bool isRefusal(const nb::python_error& error) {
   if (error.traceback().is_valid()) return false;
-  return error.matches(PyExc_TypeError) || error.matches(PyExc_ValueError) || error.matches(PyExc_OverflowError);
+  for (PyObject* const type : {PyExc_TypeError, PyExc_ValueError, PyExc_OverflowError, PyExc_BufferError})
+    if (error.matches(type)) return true;
+  return false;
 }
 
 // Must follow a call that set Python's error indicator. Throws every error except a rejection.
@@ -246,17 +256,21 @@ std::vector<std::string> pathsOf(nb::handle value, std::string_view name) {
   return paths;
 }
 
-nb::object arrayOf(nb::handle value, std::string_view name, Elements elements, const std::vector<int64_t>& shape,
-                   const char* dtype) {
+nb::object anyArrayOf(nb::handle value, std::string_view name, const std::vector<int64_t>& shape) {
   const RunningPython section;
   rejectMasks(value, name);
-  nb::object array;
   try {
-    array = numpy("asarray")(value);
+    return numpy(hasOnlyDlpack(value) ? "from_dlpack" : "asarray")(value);
   } catch (const nb::python_error& error) {
     if (!isRefusal(error)) throw;
     badType("{} must be an array of shape {}, not {}", name, shapeText(shape), typeName(value));
   }
+}
+
+nb::object arrayOf(nb::handle value, std::string_view name, Elements elements, const std::vector<int64_t>& shape,
+                   const char* dtype) {
+  const RunningPython section;
+  const nb::object array = anyArrayOf(value, name, shape);
   const std::vector<int64_t> given = shapeOf(array);
   if (!fits(given, shape))
     badValue("{} must be an array of shape {}, not {}", name, shapeText(shape), shapeText(given));

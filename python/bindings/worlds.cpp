@@ -37,8 +37,7 @@ class ArrayReader {
     if (value.is_none()) return;
     const std::vector<int64_t> shape{to_.worlds.count, each};
     if (isTensor(value)) return tensor(value, name, shape, Kind::Mask, array), void();
-    const nb::object numpy = nb::module_::import_("numpy");
-    const nb::object given = numpy.attr("asarray")(value);
+    const nb::object given = anyArrayOf(value, name, shape);
     if (shown(given.attr("dtype")) != "bool")
       badType("{} must be an array of bool, not of {}", name, shown(given.attr("dtype")));
     array.element = WorldArray::Element::Uint8;

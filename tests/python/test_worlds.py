@@ -253,6 +253,63 @@ def test_environments(scene, camera, tmp_path):
         renderer.render_worlds(1, camera, SIZE, environments="nowhere.hdr", environment_index=[0])
 
 
+class Producer:
+    """Shares an array through DLPack, the only protocol that it has."""
+
+    def __init__(self, array):
+        self.array = array
+
+    def __dlpack__(self, *, stream=None):
+        return self.array.__dlpack__(stream=stream)
+
+    def __dlpack_device__(self):
+        return self.array.__dlpack_device__()
+
+
+@pytest.mark.parametrize("number", [np.float32, np.float64])
+def test_arrays_of_any_producer_of_dlpack(camera, number):
+    """Each array is replaced by a producer that shares its memory: the images and hits are the same."""
+    light = latelight.Light(type="directional", direction=(0, 0, -1))
+    made = latelight.Scene()
+    square = made.add_mesh(CORNERS, TRIANGLES, normals=np.tile(np.float32([0, 0, 1]), (4, 1)))
+    materials = [made.add_material(latelight.Material(base_color=(*color, 1))) for color in ((1, 0, 0), (0, 1, 0))]
+    for x in (-1, 1):
+        made.add_instance(square, materials[0], at(x))
+    lists = {"instances": made.instances(), "materials": materials, "lights": [made.add_light(light)], "meshes": [square]}
+    random = np.random.default_rng(3)
+    arrays = {
+        "transforms": np.array([[at(-1), at(1)], [at(0.5, 1), at(0.25, -1, 1)]], number),
+        "exists": np.array([[True, True], [False, True]]),
+        "base_color": random.uniform(0, 1, (2, 2, 4)).astype(number),
+        "roughness": random.uniform(0, 1, (2, 2)).astype(number),
+        "material_choice": np.array([[0, 1], [1, 1]], np.int32),
+        "light_direction": random.normal(size=(2, 1, 3)).astype(number) - number([0, 0, 3]),
+        "environment_intensity": np.array([0.5, 1], number),
+        "vertices": np.array([CORNERS, 0.5 * CORNERS], number),
+        "camera_to_world": np.array([[camera.camera_to_world], [at(0, 0.25) @ camera.camera_to_world]], number),
+        "k": np.array([[camera.k(SIZE)]] * 2, number),
+    }
+    shared = {name: Producer(array) for name, array in arrays.items()}
+    renderer = latelight.Renderer(made)
+    expected = renderer.render_worlds(2, camera, SIZE, OUTPUTS, **lists, **arrays)
+    frames = renderer.render_worlds(2, camera, SIZE, OUTPUTS, **lists, **shared)
+    for name in OUTPUTS:
+        np.testing.assert_array_equal(frames[name], expected[name])
+    assert (expected["rgba"][0] != expected["rgba"][1]).any()
+    rays = np.tile(number([[-1, 0.25, 4], [1, 0, 4]]), (2, 1, 1)), np.tile(number([0, 0, -1]), (2, 2, 1))
+    for array in (arrays, shared):
+        for name in ("camera_to_world", "k"):
+            del array[name]
+    hits = renderer.cast_worlds(2, *map(Producer, rays), **lists, **shared)
+    for name, values in renderer.cast_worlds(2, *rays, **lists, **arrays).items():
+        np.testing.assert_array_equal(hits[name], values)
+    wrong = Producer(np.eye(4))
+    with pytest.raises(latelight.UsageError, match=r"shape \(2, 2, 3 or 4, 4\), not \(4, 4\)"):
+        renderer.render_worlds(2, camera, SIZE, instances=made.instances(), transforms=wrong)
+    with pytest.raises(latelight.ArgumentTypeError, match="exists must be an array of bool, not of float64"):
+        renderer.render_worlds(2, camera, SIZE, instances=made.instances(), exists=Producer(np.ones((2, 2))))
+
+
 @pytest.mark.parametrize(
     ("arguments", "error", "sentence"),
     [
@@ -261,6 +318,7 @@ def test_environments(scene, camera, tmp_path):
         ({"transforms": "here"}, latelight.UsageError, "transforms must"),
         ({"exists": np.ones((2, 1))}, latelight.ArgumentTypeError, "exists must be an array of bool, not of float64"),
         ({"exists": np.ones((2, 2), bool)}, latelight.UsageError, "exists must"),
+        ({"exists": np.ma.masked_array(np.ones((2, 1), bool), True)}, latelight.UsageError, "exists has masked values"),
         ({"camera_instances": [1]}, latelight.ArgumentTypeError, "an InstanceHandle or None"),
         ({"k": np.zeros((2, 1, 3, 3))}, latelight.UsageError, "last row 0 0 1"),
         ({"instances": None, "exists": np.ones((2, 1), bool)}, latelight.UsageError, "requires the list of instances"),
