@@ -78,11 +78,28 @@ Camera fromK(nb::handle k, nb::handle pose, nb::handle size, nb::handle frame) {
   return camera;
 }
 
+constexpr std::array<std::pair<const char*, LensModel>, 6> kLensModels{{{"pinhole", LensModel::Pinhole},
+                                                                        {"opencv", LensModel::OpenCv},
+                                                                        {"fisheye", LensModel::Fisheye},
+                                                                        {"equirectangular", LensModel::Equirectangular},
+                                                                        {"cubemap", LensModel::CubeMap},
+                                                                        {"ftheta", LensModel::FTheta}}};
+
+const char* nameOf(LensModel model) {
+  return kLensModels[static_cast<size_t>(model)].first;
+}
+
 nb::object kOf(const Camera& camera, nb::handle size) {
   const auto [width, height] = sizeOf(size);
   std::vector<double> k{1, 0, (camera.principalX + 1.0) * width / 2, 0, 1, (1.0 - camera.principalY) * height / 2, 0,
                         0, 1};
   if (camera.lens) {
+    const LensModel model = camera.lens->model;
+    if (model == LensModel::Equirectangular || model == LensModel::CubeMap)
+      badValue("a camera with a lens of the model {} has no matrix K", nameOf(model));
+    if (!(camera.lens->width > 0 && camera.lens->height > 0))
+      badValue("a camera with a lens of the model {} has no matrix K without the lens's width and height",
+               nameOf(model));
     const double sx = width / camera.lens->width, sy = height / camera.lens->height;
     k = {camera.lens->fx * sx, 0, camera.lens->cx * sx, 0, camera.lens->fy * sy, camera.lens->cy * sy, 0, 0, 1};
   } else {
@@ -92,13 +109,6 @@ nb::object kOf(const Camera& camera, nb::handle size) {
   }
   return owned(std::move(k), {3, 3});
 }
-
-constexpr std::array<std::pair<const char*, LensModel>, 6> kLensModels{{{"pinhole", LensModel::Pinhole},
-                                                                        {"opencv", LensModel::OpenCv},
-                                                                        {"fisheye", LensModel::Fisheye},
-                                                                        {"equirectangular", LensModel::Equirectangular},
-                                                                        {"cubemap", LensModel::CubeMap},
-                                                                        {"ftheta", LensModel::FTheta}}};
 
 void setModel(Lens& lens, nb::handle value, const char* name) {
   const std::string text = textOf(value, name);
@@ -126,7 +136,7 @@ void bindLens(nb::module_& module) {
                "Calibrated for pictures of width x height pixels; one of another size is the same picture, scaled.")
       .field(
           "model", "str", "pinhole, opencv, fisheye, ftheta, equirectangular or cubemap",
-          [](const Lens& lens) { return nb::str(kLensModels[static_cast<size_t>(lens.model)].first); }, setModel)
+          [](const Lens& lens) { return nb::str(nameOf(lens.model)); }, setModel)
       .number("width", &Lens::width, "pixels")
       .number("height", &Lens::height, "pixels")
       .number("fx", &Lens::fx, "focal length, pixels")
@@ -236,7 +246,9 @@ void bindCamera(nb::module_& module) {
           "pose (4, 4).\n\nPixel centers are at half-integers. `frame` is that of the camera: OpenCV's (X "
           "right, Y down, Z forward)\nor OpenGL's (X right, Y up, Z backward).")
       .def("k", &kOf, argument("size"), nb::sig("def k(self, size: tuple[int, int]) -> numpy.ndarray"),
-           "The matrix K (3, 3) for pictures of `size` (width, height): camera to pixel coordinates.");
+           "The matrix K (3, 3) for pictures of `size` (width, height): camera to pixel coordinates, before "
+           "distortion.\n\n"
+           "Raises UsageError for lenses of the models equirectangular and cubemap, which have none.");
 }
 
 }  // namespace latelight::python

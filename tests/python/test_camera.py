@@ -109,6 +109,10 @@ def test_a_scenes_cameras_have_their_own_exposure():
     assert len(scene.cameras) == 3
 
 
+def k_of(model, **lens):
+    return latelight.Camera(lens=latelight.Lens(model=model, **lens)).k(SIZE)
+
+
 @pytest.mark.parametrize(
     "make, words",
     [
@@ -124,6 +128,9 @@ def test_a_scenes_cameras_have_their_own_exposure():
         (lambda: latelight.Camera(fov=40), 'Camera has no "fov"'),
         (lambda: latelight.Lens(model="wide"), "model must be one of pinhole"),
         (lambda: latelight.Lens(distortion=range(9)), "at most 8"),
+        (lambda: k_of("equirectangular", width=64, height=32), "the model equirectangular has no matrix K$"),
+        (lambda: k_of("cubemap"), "the model cubemap has no matrix K$"),
+        (lambda: k_of("fisheye", fx=30, fy=30), "the model fisheye has no matrix K without the lens's width and height"),
     ],
 )
 def test_refused(make, words):
