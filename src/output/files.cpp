@@ -195,8 +195,10 @@ void checkPattern(std::string_view pattern) {
   const fs::path path(pattern), folder = standingFolder(path);
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored))
-    badUsage("can't write '{}': the folder '{}' does not exist; create it first, or choose another", pattern,
-             folder.string());
+    badUsage("can't write '{}': {}", pattern,
+             fs::exists(folder, ignored)
+                 ? fmt::format("'{}' is not a folder; choose another", folder.string())
+                 : fmt::format("the folder '{}' does not exist; create it first, or choose another", folder.string()));
   checkWritable(path.has_parent_path() ? folder / path.filename() : path);
 }
 

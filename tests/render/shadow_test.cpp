@@ -201,6 +201,33 @@ TEST_F(ShadowTest, TheSunsShadowInTheGbufferIsTheSunsShadow) {
   EXPECT_LE(beyond, between / 50);
 }
 
+// Targets are read without requesting a picture. Their light is that of a picture, with shadows.
+TEST_F(ShadowTest, TheLightTargetOfEveryLayoutHasShadows) {
+  const scene::Scene scene = boardBeforeWall(lightOf(shared::kLightDirectional, {-1, -1, 0.2f}, {0, 0, 0}));
+  const scene::Camera camera = frontCamera(kHalf, 4);
+  Renderer renderer(device(), scene, nullptr);
+  for (const Layout& layout : layouts()) {
+    if (!layout.hasTargets()) continue;
+    for (const char* format : {"d32", "rays"}) {
+      SCOPED_TRACE(fmt::format("{}, {}", layout.name, format));
+      Settings settings = shadowSettings(format, "hard");
+      settings.layout = &layout;
+      const output::FrameOutput picture = std::move(renderer.render({&camera, 1}, settings).front());
+      const std::vector<float>& expected = imageOf(picture, Aov::Color).values;
+      settings.aovs = {Aov::Depth};
+      const output::RawGbuffer raw = renderer.readTargets(camera, settings).gbuffer;
+      const auto light = std::ranges::find(raw.targets, std::string("light"), &output::RawTarget::name);
+      ASSERT_NE(light, raw.targets.end());
+      size_t dark = 0;
+      for (size_t i = 0; i < expected.size(); i += 4) {
+        dark += expected[i] == 0;
+        for (size_t c = i; c < i + 3; ++c) ASSERT_NEAR(light->values[c], expected[c], 2e-3f * expected[c]) << i / 4;
+      }
+      EXPECT_GT(dark, 1000u);
+    }
+  }
+}
+
 // The fraction of a unit disc's area on one side of a line at x.
 float discFraction(float x) {
   return 0.5f + (x * std::sqrt(1 - x * x) + std::asin(x)) / shared::kPi;

@@ -214,7 +214,10 @@ Renderer::~Renderer() = default;
 void Renderer::check(const Request& request, bool targets) {
   const auto& [device, scene, hasEnvironment, camera, wanted, moment] = request;
   Settings settings = settingsFor({&camera, 1}, wanted);
-  if (!targets) settings = sensedSettings(settings);
+  if (targets)
+    settings.display = true;
+  else
+    settings = sensedSettings(settings);
   checkScene(device, scene, hasEnvironment, settings, moment);
   if (targets) return checkTargets(settings);
   checkJob(RenderJob({&camera, 1}, scene, settings, moment, settings.height), scene, settings, moment);
@@ -976,7 +979,8 @@ vk::Image Renderer::makeSum(const ViewBatch& part) {
 }
 
 TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings& wanted, const SceneState& moment) {
-  const Settings settings = settingsFor({&camera, 1}, wanted);
+  Settings settings = settingsFor({&camera, 1}, wanted);
+  settings.display = true;  // the light target holds the picture
   std::vector<float> exposures;
   if (settings.exposure.automatic) {
     checkSettings(settings);
@@ -984,7 +988,6 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
   }
   begin(settings, moment);
   checkTargets(settings);
-  if (tracesLight(settings)) followedBvh(tracesPaths(settings));  // even if no picture is requested
   Settings atCentres = settings;
   atCentres.aa.samples = 1;
   atCentres.shutter = atCentres.readout = 0;
@@ -992,9 +995,7 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
   RenderJob job({&camera, 1}, scene_, atCentres, moment, settings.height);
   job.meteredExposures = exposures;
   const Layout& layout = *settings.layout;
-  std::shared_ptr<FrameShadows> shadows;
-  if (layout.sunTarget >= 0)  // otherwise nothing in the targets is lit
-    shadows = placeShadows(planShadows(job.now, atCentres), atCentres);
+  const std::shared_ptr<FrameShadows> shadows = placeShadows(planShadows(job.now, atCentres), atCentres);
   const ViewBatch part(job, 0, 1, {0, settings.height}, shadows, ShadowMapState::Cached);
   ViewSet set(state_, viewsOf(part, CameraSample{}), atCentres, shadows.get(), VisibilityOptions{.atCentres = true});
   std::optional<graph::Graph> graph;
