@@ -40,9 +40,32 @@ SEGMENTS = {
 }
 
 
+RENDERED = {"render_depth", "render_distance", "render_normals"}
+KEYS = {  # of the supported modules
+    "main.Initializer": {"global"},
+    "loader.ObjectLoader": {"path"},
+    "lighting.LightLoader": {"lights"},
+    "camera.CameraLoader": {"cam_poses", "intrinsics"},
+    "renderer.RgbRenderer": RENDERED,
+    "renderer.NormalRenderer": RENDERED,
+    "renderer.SegMapRenderer": {"map_by"},
+    "writer.Hdf5Writer": set(),
+}
+
+
 def fail(message, exit_code=2):
     print(f"blenderproc_yaml: {message}", file=sys.stderr)
     sys.exit(exit_code)
+
+
+def check_keys(config, supported, where, required=()):
+    if not isinstance(config, dict):
+        fail(f"{where} must have keys and values")
+    for key in config.keys() - supported:
+        fail(f"{where}: the key {key} is not supported; {', '.join(sorted(supported)) or 'none'} would be")
+    for key in required:
+        if key not in config:
+            fail(f"{where} lacks the key {key}")
 
 
 def rotation_of(spec):
@@ -63,12 +86,15 @@ def rotation_of(spec):
 
 def pose_of(camera):
     """The camera's pose, (4, 4), from Blender's (OpenGL's) camera frame to Blender's world."""
+    check_keys(camera, {"location", "rotation", "cam2world_matrix"}, "a camera")
     if "cam2world_matrix" in camera:
         return np.reshape(np.array(camera["cam2world_matrix"], float), (4, 4))
+    check_keys(camera, camera.keys(), "a camera", ("location", "rotation"))
     spec = (
         camera["rotation"] if isinstance(camera["rotation"], dict) else {"format": "euler", "value": camera["rotation"]}
     )
     spec = {"format": "euler", **spec}
+    check_keys(spec, {"format", "value"}, "a rotation", ("value",))
     if spec["format"] == "look_at":
         spec = {"format": "forward_vec", "value": np.subtract(spec["value"], camera["location"])}
     if spec["format"] not in ("euler", "forward_vec"):
@@ -80,11 +106,13 @@ def pose_of(camera):
 
 def light_of(light, turn):
     """The intensity of a lamp of P watts is P / (4 pi) per steradian; a sun's energy is its irradiance."""
+    check_keys(light, {"type", "location", "rotation", "energy", "color"}, "a light")
     kind, power = light.get("type", "POINT"), float(light.get("energy", 10))
     if kind not in ("POINT", "SUN"):
         fail(f"lights are of the type POINT or SUN, not {kind}")
     color = tuple(float(value) for value in light.get("color", [1, 1, 1])[:3])
     if kind == "POINT":
+        check_keys(light, light.keys(), "a light", ("location",))
         position = tuple((turn @ light["location"]).tolist())
         return latelight.Light(type="point", position=position, color=color, intensity=power / (4 * math.pi))
     direction = turn @ -rotation_of({"format": "euler", "value": light.get("rotation", [0, 0, 0])})[:, 2]
@@ -93,6 +121,7 @@ def light_of(light, turn):
 
 def cameras_of(config, job):
     intrinsics = config.get("intrinsics", {})
+    check_keys(intrinsics, {"cam_K", "resolution_x", "resolution_y", "fov"}, "intrinsics")
     width, height = intrinsics.get("resolution_x", 512), intrinsics.get("resolution_y", 512)
     job["options"]["size"] = f"{width}x{height}"
     source = {"type": "list", "cameras": []}
@@ -130,7 +159,12 @@ def job_of(config):
     if not isinstance(listed, list) or not all(isinstance(module, dict) and "module" in module for module in listed):
         fail("the file must have a list of modules, each with the key module")
     modules = [(module["module"].removesuffix("Module"), module.get("config", {})) for module in listed]
+    for name, settings in modules:
+        if name not in KEYS:
+            fail(f"the module {name} is not supported")
+        check_keys(settings, KEYS[name], f"the module {name}", ("path",) if name == "loader.ObjectLoader" else ())
     common = next((settings.get("global", {}) for name, settings in modules if name == "main.Initializer"), {})
+    check_keys(common, {"output_dir"}, "global")
     paths = [settings["path"] for name, settings in modules if name == "loader.ObjectLoader"]
     if len(paths) != 1:
         fail(f"the file must have one loader.ObjectLoader, not {len(paths)}")
@@ -151,9 +185,10 @@ def job_of(config):
             keys += [key for key in ("depth", "distance", "normals") if settings.get(f"render_{key}")]
         elif name == "renderer.SegMapRenderer":
             map_by = settings.get("map_by", "class")
-            keys += [SEGMENTS[key] for key in ([map_by] if isinstance(map_by, str) else map_by) if key in SEGMENTS]
-        elif name not in ("main.Initializer", "loader.ObjectLoader", "lighting.LightLoader", "writer.Hdf5Writer"):
-            fail(f"the module {name} is not supported")
+            for key in [map_by] if isinstance(map_by, str) else map_by:
+                if key not in SEGMENTS:
+                    fail(f"map_by is one of {', '.join(SEGMENTS)}, not {key}")
+                keys.append(SEGMENTS[key])
     if not keys or not job["cameras"]:
         fail("the file must have a camera.CameraLoader and a renderer")
     job["formats"] = [{"format": "hdf5", "keys": list(dict.fromkeys(keys))}]
