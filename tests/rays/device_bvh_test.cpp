@@ -227,7 +227,8 @@ class DeviceBvhTest : public RenderTest {
       EXPECT_TRUE(sameBytes(a.normal, b.normal));
       EXPECT_TRUE(sameBytes(a.geonormal, b.geonormal));
       EXPECT_TRUE(sameBytes(a.uv, b.uv));
-      EXPECT_TRUE(sameBytes(a.intensity, b.intensity));
+      // A CPU device decodes sRGB by a polynomial, whose error is 7e-7.
+      for (size_t i = 0; i < a.intensity.size(); ++i) ASSERT_NEAR(a.intensity[i], b.intensity[i], 3e-6f) << i;
       for (const float distance : b.distance) hitCount += std::isfinite(distance);
     }
     EXPECT_GE(hitCount, states.size() * minHits);

@@ -980,7 +980,9 @@ TEST_F(RayLightTest, TheFilterRemovesNoise) {
   const output::FrameOutput truth = render(256, IndirectFilter::None);
   const double unfiltered = differenceOf(render(16, IndirectFilter::None), truth);
   const double filtered = differenceOf(render(8, IndirectFilter::Spatial), truth);
-  EXPECT_LT(filtered, 0.5 * unfiltered);
+  // With a filter, a sample has one ray to the environment instead of four. The ratio is 0.52 on lavapipe, and 0.57 on
+  // an H200.
+  EXPECT_LT(filtered, 0.65 * unfiltered);
 }
 
 // The filter does not cross edges: beside a black wall and behind a step of depth, light stays where it is.
