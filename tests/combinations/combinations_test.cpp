@@ -257,24 +257,25 @@ TEST_F(WithoutTargets, ThePictureIsThatOfFloats) {
   std::vector<scene::Camera> cameras(2, scene.cameras.front());
   cameras[1].toWorld[3].x += 0.4f;
   const float steps = device().isCpu() ? 0 : 2;
-  const auto check = [&](const char* what, const Settings& s) {
+  const auto check = [&](const char* what, const Settings& s, float steps) {
     SCOPED_TRACE(what);
     expectAlike(renderer, cameras, s, steps);
   };
   Settings s = settings();
   for (const char* technique : {"clustered", "fullscreen"}) {
     s.lighting = &findTechnique(technique);
-    check(technique, s);
+    check(technique, s, steps);
   }
   s.lighting = &findTechnique("tiled"), s.shading = Shading::GgxCompensated;
   s.shadows = ShadowFormat::D32, s.ambientOcclusion = AmbientOcclusion::Gtao;
   s.fogDensity = 0.05f, s.background.kind = Background::Environment;
-  check("tiled, with shadows, occlusion and fog", s);
+  check("tiled, with shadows, occlusion and fog", s, steps);
   s.aa = {.superSampling = 2};
-  check("super-sampled", s);
-  // Shades every sample separately; otherwise a G-buffer would shade triangles of one surface once.
+  check("super-sampled", s, steps);
+  // Shades every sample separately; otherwise a G-buffer would shade triangles of one surface once. Positions of
+  // samples come from depth in `exact`, too, which may round a color to the next half float.
   s.aa = {.samples = 4}, s.everySample = true;
-  check("four samples", s);
+  check("four samples", s, std::max(steps, 1.0f));
 }
 
 TEST_F(WithoutTargets, WhatIsEmittedIsRoundedOnce) {
