@@ -244,16 +244,17 @@ VkDevice makeDevice(VkPhysicalDevice physical, uint32_t queueFamily, const std::
 
 // The maximum number of combined image samplers per set, minus those that other sets of a pipeline use.
 uint32_t longestTextureArray(const VkPhysicalDeviceVulkan12Features& has,
-                             const VkPhysicalDeviceVulkan12Properties& limits) {
+                             const VkPhysicalDeviceVulkan12Properties& limits, bool cpu) {
   if (!has.runtimeDescriptorArray || !has.descriptorBindingVariableDescriptorCount ||
       !has.descriptorBindingSampledImageUpdateAfterBind || !has.shaderSampledImageArrayNonUniformIndexing)
     return 0;
-  constexpr uint32_t kOthers = 256, kMax = 1u << 20;
+  constexpr uint32_t kOthers = 256;
+  const uint32_t longest = cpu ? 1u << 12 : 1u << 20;  // lavapipe allocates and clears as many elements for each set
   const uint32_t fewest = std::min(
       {limits.maxPerStageDescriptorUpdateAfterBindSamplers, limits.maxPerStageDescriptorUpdateAfterBindSampledImages,
        limits.maxPerStageUpdateAfterBindResources, limits.maxDescriptorSetUpdateAfterBindSamplers,
        limits.maxDescriptorSetUpdateAfterBindSampledImages, limits.maxUpdateAfterBindDescriptorsInAllPools});
-  return std::min(std::max(fewest, kOthers) - kOthers, kMax);
+  return std::min(std::max(fewest, kOthers) - kOthers, longest);
 }
 
 VkPipelineCache makePipelineCache(VkDevice device, const std::vector<std::byte>& bytes) {
@@ -294,7 +295,8 @@ Device::Device(const DeviceOptions& options) : validation_(validationWanted(opti
 
   impl.extensions = offeredExtensions(physical_);
   device_ = impl.device = makeDevice(physical_, queueFamily_, impl.extensions, impl.enabled);
-  if (options.descriptorIndexing.value_or(!isCpu())) maxTextureArray_ = longestTextureArray(impl.enabled.v12, indexing);
+  if (options.descriptorIndexing.value_or(!isCpu()))
+    maxTextureArray_ = longestTextureArray(impl.enabled.v12, indexing, isCpu());
   reserveDriverCache();  // by now the driver has created the cache if it was missing
   vkGetDeviceQueue(device_, queueFamily_, 0, &queue_);
   if (impl.instance.debugUtils())

@@ -50,7 +50,8 @@ struct DeviceOptions {
   std::string selector = "auto";
   bool validation = false;  // Khronos validation with synchronization checks; messages go to validationMessages()
   // Enables descriptor indexing if the device supports it. Default: on GPUs. Newer lavapipe supports it, but allocates
-  // and clears 256 bytes per element of the longest array that a set could have, and samples more slowly through it.
+  // and clears 256 bytes per element of the longest array that a set could have (so 4096 at most there), and samples
+  // more slowly through it.
   std::optional<bool> descriptorIndexing;
   bool graphics = true;    // enables the graphics pipeline if the device supports it; false: compute only, on a
                            // compute-only queue if there is one
