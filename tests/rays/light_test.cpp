@@ -373,6 +373,32 @@ TEST_F(RayLightTest, EmissiveTrianglesNeedNoLuck) {
   }
 }
 
+// One white texel of 16 x 16 emits: 0.4 % of the square, near a corner, at the diagonal, and in one of both triangles.
+TEST_F(RayLightTest, BrightTexelsNeedNoLuck) {
+  constexpr int kTexels = 16;
+  for (const glm::ivec2 texel : {glm::ivec2(15, 0), glm::ivec2(7, 8), glm::ivec2(3, 5), glm::ivec2(10, 14)}) {
+    // Of a small square at an offset, with both cosines height / distance.
+    const dvec2 offset = (dvec2(texel) + 0.5) / double{kTexels} - 0.5;
+    const double factor = 1 / (kTexels * kTexels * std::numbers::pi * std::pow(1 + glm::dot(offset, offset), 2));
+    FloorScene floor = floorBelowASquare(0.5, 1, vec3(static_cast<float>(1 / factor)));
+    std::vector<glm::u8vec4> colors(kTexels * kTexels, glm::u8vec4(0, 0, 0, 255));
+    colors[static_cast<size_t>(texel.y * kTexels + texel.x)] = glm::u8vec4(255);
+    scene::Scene& scene = floor.builder.scene;
+    scene.textures.push_back(textureOf(kTexels, kTexels, true, colors));
+    test::setTexture(scene.materials.back(), shared::kTextureEmissive, 0, kNearest);
+    scene.materials.back().data.transforms[shared::kTextureEmissive] = {vec3(1, 0, 0), vec3(0, 1, 0), 0};
+    Settings settings = floor.settings();
+    settings.width = settings.height = 16;
+    settings.samples = 256;
+    settings.lighting = &findTechnique("reference");
+    const output::FrameOutput frame = renderOne(device(), scene, floor.camera, settings);
+    EXPECT_NEAR(meanColor(frame), 1, 0.06) << texel.x << ' ' << texel.y;
+    int dark = 0;
+    for (size_t i = 0; i < 256; ++i) dark += imageOf(frame, Aov::Color).values[4 * i] < 0.1f;
+    EXPECT_LT(dark, 64) << texel.x << ' ' << texel.y;
+  }
+}
+
 // Neither the picture nor its raster has the blended square above the camera, which half of the paths pass.
 TEST_F(RayLightTest, BlendedEmittersOutsideThePictureEmit) {
   FloorScene floor = floorBelowASquare(0.5, 1, vec3(static_cast<float>(1 / formFactor(0.5, 1))));
