@@ -334,6 +334,24 @@ TEST_F(RayLightTest, WhiteSurfacesVanishInAFurnace) {
       }
 }
 
+// A smooth white metal reflects one direction, so each path has the environment's radiance.
+TEST_F(RayLightTest, MirrorsInAUniformEnvironmentHaveNoNoise) {
+  const scene::Environment environment = constantEnvironment();
+  scene::SceneBuilder builder("mirror");
+  builder.scene.meshes.push_back(sphereMesh(1));
+  builder.addInstance("sphere", builder.kRoot, 0, addMaterial(builder.scene, vec3(1)), glm::mat4(1));
+  builder.scene.materials[0].data.metallic = 1;
+  builder.scene.materials[0].data.roughness = 0;
+  Settings settings = settingsOf(32, 32, {Aov::Color});
+  settings.lighting = &findTechnique("reference");
+  settings.samples = 1;
+  settings = inTheirRaster(settings);
+  const output::FrameOutput frame = renderOne(device(), builder.scene, frontCamera(0.7f), settings, &environment);
+  int noisy = 0;
+  for (size_t i = 0; i < size_t{32} * 32; ++i) noisy += std::abs(imageOf(frame, Aov::Color).values[4 * i] - 1) > 0.02f;
+  EXPECT_LT(noisy, 40);  // at the silhouette, interpolated normals point away
+}
+
 // The fraction of the cosine-weighted hemisphere that a parallel square of side 2 a subtends at height h above a point
 // below its center: the form factor (4 / pi) a / sqrt(a^2 + h^2) atan(a / sqrt(a^2 + h^2)).
 double formFactor(double a, double h) {

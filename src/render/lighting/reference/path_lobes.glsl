@@ -37,7 +37,7 @@ PathVertex pathVertex(Surface s, vec3 toEye, bool visible) {
   v.alpha = ggxAlpha(s.roughness);
   float mirrored = maxChannel(schlick(v.brdf.f0, v.brdf.f90, v.brdf.nv));
   float scattered = maxChannel(v.brdf.diffuse) * kPi;
-  v.specular = clamp(mirrored / max(mirrored + scattered, 1e-6), 0.1, scattered > 0.0 ? 0.9 : 1.0);
+  v.specular = max(mirrored / max(mirrored + scattered, 1e-6), 0.1);
   v.coated = false;
   return v;
 }
