@@ -7,6 +7,8 @@
 
 #include "base/error.h"
 #include "models/models.h"
+#include "rays/slivers.h"
+#include "render/rays/triangle_boxes.h"
 #include "render/reference_caster.h"
 #include "render/submit/session.h"
 #include "render/support.h"
@@ -222,6 +224,32 @@ TEST_F(CastTest, NoRayPassesBetweenTriangles) {
       EXPECT_NEAR(hits.distance[i], length, 1e-5 * length);
     }
   }
+  EXPECT_GT(hits.distance.size(), 4000u);
+  EXPECT_EQ(leaks, 0u);
+}
+
+// The boxes of its triangles are divided, at planes where halves, quarters, eighths ... of the mesh end.
+TEST_F(CastTest, NoRayPassesBetweenPartsOfTriangles) {
+  const scene::Mesh tube = sliverTube(64, 20);
+  EXPECT_FALSE(triangleBoxes(tube).triangles.empty());
+  const scene::Scene scene = oneMesh(tube, true);
+  compare("slivers", scene, frontPerspective(0.9f, 22));
+  const glm::vec3 low = tube.boundsMin, size = tube.boundsMax - low;
+  std::vector<dvec3> origins, directions;
+  for (size_t i = 0; i < tube.indices.size(); ++i) {
+    const dvec3 a(tube.positions[tube.indices[i]]);
+    const dvec3 b(tube.positions[tube.indices[i - i % 3 + (i % 3 + 1) % 3]]);
+    for (int axis = 0; axis < 3; ++axis)
+      for (int part = 1; part < 64; ++part) {
+        const double share = (low[axis] + size[axis] * part / 64.0 - a[axis]) / (b[axis] - a[axis]);
+        if (!(share > 0 && share < 1)) continue;
+        origins.emplace_back(0);
+        directions.push_back(glm::mix(a, b, share));
+      }
+  }
+  const CastHits hits = cast(scene, origins, directions);
+  size_t leaks = 0;
+  for (const float distance : hits.distance) leaks += std::isinf(distance);
   EXPECT_GT(hits.distance.size(), 4000u);
   EXPECT_EQ(leaks, 0u);
 }

@@ -15,6 +15,11 @@
 
 namespace latelight::render {
 
+float halfArea(const Box& box) {
+  const glm::vec3 e = box.high - box.low;
+  return e.x < 0 ? 0.0f : e.x * e.y + e.y * e.z + e.z * e.x;
+}
+
 namespace {
 
 constexpr uint32_t kBins = 16;
@@ -30,11 +35,6 @@ bool isInner(uint32_t reference) {
 }
 uint32_t leafOf(uint32_t first, uint32_t count) {
   return shared::kRayLeaf | (count - 1) << shared::kRayCountShift | first;
-}
-
-float halfArea(const Box& box) {
-  const glm::vec3 e = box.high - box.low;
-  return e.x < 0 ? 0.0f : e.x * e.y + e.y * e.z + e.z * e.x;
 }
 
 glm::vec3 centerOf(const Box& box) {

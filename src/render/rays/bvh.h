@@ -16,6 +16,8 @@ struct Box {
   void add(const Box& box) { low = glm::min(low, box.low), high = glm::max(high, box.high); }
 };
 
+float halfArea(const Box& box);  // half of the surface's; 0 if the box is empty
+
 struct Bvh {
   std::vector<shared::RayNode> nodes;  // the root first, parents before children; empty if there are no boxes
   std::vector<uint32_t> items;         // indices of the boxes, in the order of the leaves

@@ -7,6 +7,7 @@
 #include "base/stopwatch.h"
 #include "render/rays/emitters.h"
 #include "render/rays/refit.h"
+#include "render/rays/triangle_boxes.h"
 #include "vk/read_back.h"
 
 namespace latelight::render {
@@ -16,25 +17,25 @@ namespace {
 // Relative bounds of what rounding to floats can add up to: of a transformed ray, and of a box in world space.
 constexpr double kRounding = 0x1p-20;
 
-Box trianglesBox(const scene::Mesh& mesh, glm::vec3 origin, size_t triangle) {
-  Box box;
-  for (size_t i = 0; i < 3; ++i) box.add(mesh.positions[mesh.indices[3 * triangle + i]] - origin);
-  return box;
-}
-
 constexpr size_t kTrianglesAtOnce = 65536;  // per call of a parallel loop
 
 // For fewer triangles at once, the host is faster than a GPU and need not wait for it. A CPU device uses the code paths
 // for GPUs only in tests, whose meshes are small.
 constexpr uint64_t kMinTrianglesOnDevice = 65536;
 
+// A GPU's builder does not divide triangles, so the host builds meshes of up to so many that gain from it.
+constexpr size_t kMaxDividedTriangles = 262144;
+
+bool gainsFromDivision(const scene::Mesh& mesh) {
+  return mesh.indices.size() / 3 <= kMaxDividedTriangles && !triangleBoxes(mesh).triangles.empty();
+}
+
 Bvh bvhOf(const scene::Mesh& mesh) {
-  const glm::vec3 origin = scene::vertexOrigin(mesh);
-  std::vector<Box> boxes(mesh.indices.size() / 3);
-  parallelFor(boxes.size(), kTrianglesAtOnce, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) boxes[i] = trianglesBox(mesh, origin, i);
-  });
-  return buildBvh(boxes, shared::kMaxRayLeaf, shared::kMaxMeshDepth);
+  const TriangleBoxes boxes = triangleBoxes(mesh);
+  Bvh bvh = buildBvh(boxes.boxes, shared::kMaxRayLeaf, shared::kMaxMeshDepth);
+  if (!boxes.triangles.empty())
+    for (uint32_t& item : bvh.items) item = boxes.triangles[item];
+  return bvh;
 }
 
 // Maximum distance of the corners of a box from the origin of its space, in world space.
@@ -190,11 +191,15 @@ void SceneBvh::buildMeshes(std::span<const uint32_t> meshes) {
   uint64_t triangles = 0;
   for (const uint32_t mesh : meshes) triangles += scene_.meshes[mesh].indices.size() / 3;
   const bool some = builder_ && (device_.isCpu() || triangles >= kMinTrianglesOnDevice);
+  std::vector<uint8_t> suits(meshes.size());  // for the device
+  parallelFor(meshes.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; some && i < end; ++i) {
+      const scene::Mesh& mesh = scene_.meshes[meshes[i]];
+      suits[i] = DeviceBvhBuilder::supports(device_, mesh.indices.size() / 3) && !gainsFromDivision(mesh);
+    }
+  });
   std::vector<uint32_t> onHost, onDevice;
-  for (const uint32_t mesh : meshes) {
-    const bool device = some && DeviceBvhBuilder::supports(device_, scene_.meshes[mesh].indices.size() / 3);
-    (device ? onDevice : onHost).push_back(mesh);
-  }
+  for (size_t i = 0; i < meshes.size(); ++i) (suits[i] ? onDevice : onHost).push_back(meshes[i]);
   buildOnHost(onHost);
   if (onDevice.empty()) return;
   std::vector<DeviceBvh> built = builder_->build(onDevice);
@@ -386,7 +391,11 @@ Bvh SceneBvh::readMesh(uint32_t index) const {
   const auto* nodes = reinterpret_cast<const shared::RayNode*>(host.data());
   bvh.nodes.assign(nodes, nodes + mesh.nodes);
   const auto* triangles = reinterpret_cast<const shared::RayTriangle*>(host.data() + mesh.nodeBytes());
-  for (size_t i = 0; i < scene_.meshes[index].indices.size() / 3; ++i) bvh.items.push_back(triangles[i].number);
+  size_t count = 0;
+  for (const shared::RayNode& node : bvh.nodes)
+    for (const uint32_t child : {node.a, node.b})
+      if (child != shared::kRayNone && (child & shared::kRayLeaf)) count += (child >> shared::kRayCountShift & 7) + 1;
+  for (size_t i = 0; i < count; ++i) bvh.items.push_back(triangles[i].number);
   return bvh;
 }
 
