@@ -62,4 +62,11 @@ struct Renderer::Impl {
   WorldLabelInput worldLabelInput(const Worlds& worlds, const Options& options);
 };
 
+// Returns the renderer. Fails in any process other than the one that created it.
+template <typename Impl>
+Impl& usable(const std::shared_ptr<Impl>& renderer) {
+  renderer->owner.require("the renderer");
+  return *renderer;
+}
+
 }  // namespace latelight
