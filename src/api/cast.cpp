@@ -10,6 +10,7 @@
 #include "api/device_array.h"
 #include "api/renderer.h"
 #include "api/settings.h"
+#include "api/world_array.h"
 #include "base/error.h"
 #include "base/log.h"
 
@@ -106,6 +107,7 @@ void Renderer::cast(std::span<const std::array<float, 3>> origins, std::span<con
 }
 
 struct CastTicket::Impl {
+  static constexpr const char* kResults = "hits";
   std::shared_ptr<Renderer::Impl> renderer;  // destroyed after the ticket
   std::variant<render::CastTicket, render::WorldCastTicket> ticket;
   bool onDevice;  // the hits are arrays
@@ -136,8 +138,7 @@ bool CastTicket::done() const {
 }
 
 void CastTicket::take() {
-  if (!impl_) badUsage("these hits have been taken already");
-  usable(impl_->renderer);
+  requireUntaken(impl_);
   if (impl_->onDevice) badUsage("these hits are arrays on the device: take those");
   const std::shared_ptr<Impl> taken = std::move(impl_);
   if (auto* const cast = std::get_if<render::CastTicket>(&taken->ticket))
@@ -147,8 +148,7 @@ void CastTicket::take() {
 }
 
 std::map<std::string, DeviceArray> CastTicket::takeArrays() {
-  if (!impl_) badUsage("these hits have been taken already");
-  usable(impl_->renderer);
+  requireUntaken(impl_);
   if (!impl_->onDevice) badUsage("these hits are no arrays on the device: take() stores them in those of the call");
   const std::shared_ptr<Impl> taken = std::move(impl_);
   render::WorldHits hits = taken->worldHits();
@@ -185,11 +185,7 @@ void checkRays(const WorldRays& rays, uint32_t worlds, const vk::Device& device)
              render::kMaxWorldRays);
   for (const auto& [array, name] : {std::pair(&rays.origins, "origins"), std::pair(&rays.directions, "directions")}) {
     if (!*array && rays.count > 0) badUsage("WorldRays::{} must be given", name);
-    if (array->host && array->device) badUsage("WorldRays::{} must be in one memory only", name);
-    if (array->device) DeviceArrayMemory::of(*array->device, device, fmt::format("WorldRays::{}", name));
-    if (array->offset % 16 != 0) badUsage("WorldRays::{} must begin at a multiple of 16 bytes", name);
-    if (array->element != WorldArray::Element::Float32 && array->element != WorldArray::Element::Float64)
-      badUsage("WorldRays::{} must have elements of the type Float32 or Float64", name);
+    checkWorldArray(*array, ElementKind::Numbers, device, fmt::format("WorldRays::{}", name));
   }
   if (rays.origins.element != rays.directions.element)
     badUsage("WorldRays::origins and directions must have elements of the same type");

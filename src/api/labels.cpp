@@ -14,6 +14,7 @@
 #include "labels/keypoints.h"
 #include "labels/projector.h"
 #include "labels/sight.h"
+#include "render/exposure/check.h"
 #include "render/options/options.h"
 #include "render/submit/session.h"
 #include "scene/animation.h"
@@ -128,8 +129,7 @@ Renderer::Impl::WorldLabelInput Renderer::Impl::worldLabelInput(const Worlds& wo
   owner.require("the renderer");
   WorldLabelInput input{
       .cameras = {}, .settings = settingsFor(*device, options, scene, render::RasterUse::Worlds), .moment = {}};
-  if (input.settings.shutter != 0 || input.settings.readout != 0)
-    badUsage("worlds do not support an exposure time and a rolling shutter: omit shutter and readout");
+  render::checkExposure(input.settings, {.worlds = true});
   rejectExposures(worlds.cameras);
   input.moment = internalState(options, input.settings, scene, 0);
   if (worlds.arrays.ready > 0 && inputTimeline) device->waitFirst(inputTimeline->get(), worlds.arrays.ready);

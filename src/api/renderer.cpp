@@ -86,6 +86,7 @@ std::vector<Frame> Renderer::render(const std::vector<Camera>& cameras, const Op
 }
 
 struct Ticket::Impl {
+  static constexpr const char* kResults = "pictures";
   std::shared_ptr<Renderer::Impl> renderer;
   render::Ticket ticket;
   Results results;
@@ -112,14 +113,12 @@ bool Ticket::done() const {
 }
 
 std::vector<float> Ticket::exposures() const {
-  if (!impl_) badUsage("these pictures have been taken already");
-  usable(impl_->renderer);
+  requireUntaken(impl_);
   return impl_->ticket.exposures();
 }
 
 std::vector<Frame> Ticket::take() {
-  if (!impl_) badUsage("these pictures have been taken already");
-  usable(impl_->renderer);
+  requireUntaken(impl_);
   if (impl_->results == Results::Arrays) badUsage("these pictures are arrays on the device: take those");
   const std::shared_ptr<Impl> taken = std::move(impl_);
   taken->checkWorlds();
@@ -129,8 +128,7 @@ std::vector<Frame> Ticket::take() {
 }
 
 std::map<std::string, DeviceArray> Ticket::takeArrays() {
-  if (!impl_) badUsage("these pictures have been taken already");
-  usable(impl_->renderer);
+  requireUntaken(impl_);
   if (impl_->results != Results::Arrays) badUsage("these pictures are no arrays: submit them with Results::Arrays");
   const std::shared_ptr<Impl> taken = std::move(impl_);
   taken->checkWorlds();
@@ -242,8 +240,7 @@ int Renderer::exportInputSemaphore() {
 }
 
 const std::vector<uint32_t>& Ticket::invalidWorlds() const {
-  if (!impl_) badUsage("these pictures have been taken already");
-  usable(impl_->renderer);
+  requireUntaken(impl_);
   impl_->checkWorlds();
   return impl_->invalidWorlds;
 }
