@@ -10,56 +10,30 @@ namespace latelight::python {
 
 namespace {
 
+enum class Kind { Numbers, Mask, Integers };
+
 // Reads arguments as arrays of worlds, without a copy where possible: arrays in CUDA's memory stay there.
 class ArrayReader {
  public:
   ArrayReader(GivenWorlds& to, uintptr_t stream) : to_(to), stream_(stream) {}
 
-  // Matrices of 3 or 4 rows and 4 columns, one per world and element.
-  void transforms(nb::handle value, const char* name, int64_t each, WorldArray& array) {
-    if (value.is_none()) return;
-    const int64_t n = to_.worlds.count;
-    const std::vector<int64_t> shape = read(value, name, {n, each, kRowLength, 4}, array);
-    if (shape[2] != 3 && shape[2] != 4) badValue("{} must have matrices of 3 or 4 rows, not of {}", name, shape[2]);
-    array.rows = static_cast<uint32_t>(shape[2]);
-  }
-  void intrinsics(nb::handle value, const char* name, int64_t each, WorldArray& array) {
-    if (value.is_none()) return;
-    read(value, name, {to_.worlds.count, each, 3, 3}, array);
-    array.rows = 3;
-  }
-  // One or several numbers per world, or per world and element. Returns the shape.
-  std::vector<int64_t> numbers(nb::handle value, const char* name, const std::vector<int64_t>& shape,
-                               WorldArray& array) {
-    return value.is_none() ? shape : read(value, name, shape, array);
-  }
-  void flags(nb::handle value, const char* name, int64_t each, WorldArray& array) {
-    if (value.is_none()) return;
-    const std::vector<int64_t> shape{to_.worlds.count, each};
-    if (isTensor(value)) return tensor(value, name, shape, Kind::Mask, array), void();
-    const nb::object given = anyArrayOf(value, name, shape);
-    if (shown(given.attr("dtype")) != "bool")
-      badType("{} must be an array of bool, not of {}", name, shown(given.attr("dtype")));
-    array.element = WorldArray::Element::Uint8;
-    keep(arrayOf(given.attr("astype")("uint8"), name, Elements::Uint8, shape, "uint8"), array);
-  }
-
-  void indices(nb::handle value, const char* name, const std::vector<int64_t>& shape, WorldArray& array) {
-    if (value.is_none()) return;
-    if (isTensor(value)) return tensor(value, name, shape, Kind::Integers, array), void();
-    array.element = WorldArray::Element::Int64;
-    keep(arrayOf(value, name, Elements::Integers, shape, "int64"), array);
+  // Reads one or several numbers per world, or per world and element. Returns the shape.
+  std::vector<int64_t> read(nb::handle value, const char* name, Kind kind, const std::vector<int64_t>& shape,
+                            WorldArray& array) {
+    if (value.is_none()) return shape;
+    if (isTensor(value)) return tensor(value, name, shape, kind, array);
+    if (kind == Kind::Mask) return flags(value, name, shape, array);
+    if (kind == Kind::Integers) return indices(value, name, shape, array);
+    return numbers(value, name, shape, array);
   }
 
  private:
-  enum class Kind { Numbers, Mask, Integers };
   static Kind kindOf(WorldArray::Element element) {
     using enum WorldArray::Element;
     return element == Uint8 ? Kind::Mask : element == Int32 || element == Int64 ? Kind::Integers : Kind::Numbers;
   }
-  // Returns the shape.
-  std::vector<int64_t> read(nb::handle value, const char* name, const std::vector<int64_t>& shape, WorldArray& array) {
-    if (isTensor(value)) return tensor(value, name, shape, Kind::Numbers, array);
+  std::vector<int64_t> numbers(nb::handle value, const char* name, const std::vector<int64_t>& shape,
+                               WorldArray& array) {
     const nb::object given = arrayOf(value, name, Elements::Numbers, shape);
     const bool floats = shown(given.attr("dtype")) == "float32";
     array.element = floats ? WorldArray::Element::Float32 : WorldArray::Element::Float64;
@@ -67,6 +41,20 @@ class ArrayReader {
     std::vector<int64_t> lengths;
     for (size_t axis = 0; axis < shape.size(); ++axis) lengths.push_back(static_cast<int64_t>(lengthOf(given, axis)));
     return lengths;
+  }
+  std::vector<int64_t> flags(nb::handle value, const char* name, const std::vector<int64_t>& shape, WorldArray& array) {
+    const nb::object given = anyArrayOf(value, name, shape);
+    if (shown(given.attr("dtype")) != "bool")
+      badType("{} must be an array of bool, not of {}", name, shown(given.attr("dtype")));
+    array.element = WorldArray::Element::Uint8;
+    keep(arrayOf(given.attr("astype")("uint8"), name, Elements::Uint8, shape, "uint8"), array);
+    return shape;
+  }
+  std::vector<int64_t> indices(nb::handle value, const char* name, const std::vector<int64_t>& shape,
+                               WorldArray& array) {
+    array.element = WorldArray::Element::Int64;
+    keep(arrayOf(value, name, Elements::Integers, shape, "int64"), array);
+    return shape;
   }
   std::vector<int64_t> tensor(nb::handle value, const char* name, const std::vector<int64_t>& shape, Kind kind,
                               WorldArray& array) {
@@ -163,6 +151,66 @@ constexpr WorldArgument kArguments[] = {
      "the instance that each camera rides on; its pose is relative to that instance"},
 };
 
+// An argument with one or several numbers per world, or per world and element of a list.
+struct ArrayArgument {
+  const char* name;
+  WorldArray& array;
+  std::vector<int64_t> shape;  // of four lengths for matrices
+  const char* list = nullptr;  // the argument with the list of elements that it requires, of `elements`
+  int64_t elements = 0;
+  Kind kind = Kind::Numbers;
+  bool isRequiredByList = false;
+  nb::object value{};
+};
+
+// Returns these arguments, for worlds with their lists and cameras. `v`: the number of vertices of the meshes.
+std::vector<ArrayArgument> arrayArguments(Worlds& worlds, int64_t v) {
+  const auto count = [](const auto& list) { return static_cast<int64_t>(list.size()); };
+  const int64_t n = worlds.count, i = count(worlds.instances), c = count(worlds.cameras), l = count(worlds.lights);
+  const int64_t j = count(worlds.joints), m = count(worlds.meshes), p = count(worlds.palette);
+  const int64_t e = count(worlds.environments);
+  const std::vector<int64_t> ofInstances{n, i, kRowLength, 4}, ofCameras{n, c, kRowLength, 4};
+  const std::vector<int64_t> ofJoints{n, j, kRowLength, 4};
+  WorldArrays& a = worlds.arrays;
+  return {{"transforms", a.transforms, ofInstances, "instances", i},
+          {"previous_transforms", a.previousTransforms, ofInstances, "instances", i},
+          {"next_transforms", a.nextTransforms, ofInstances, "instances", i},
+          {"exists", a.exists, {n, i}, "instances", i, Kind::Mask},
+          {"camera_to_world", a.cameraToWorld, ofCameras},
+          {"previous_camera_to_world", a.previousCameraToWorld, ofCameras},
+          {"next_camera_to_world", a.nextCameraToWorld, ofCameras},
+          {"k", a.intrinsics, {n, c, 3, 3}},
+          {"base_color", a.baseColor, {n, i, 4}, "instances", i},
+          {"metallic", a.metallic, {n, i}, "instances", i},
+          {"roughness", a.roughness, {n, i}, "instances", i},
+          {"emissive", a.emissive, {n, i, 3}, "instances", i},
+          {"light_position", a.lightPosition, {n, l, 3}, "lights", l},
+          {"light_direction", a.lightDirection, {n, l, 3}, "lights", l},
+          {"light_color", a.lightColor, {n, l, 3}, "lights", l},
+          {"light_intensity", a.lightIntensity, {n, l}, "lights", l},
+          {"environment_rotation", a.environmentRotation, {n}},
+          {"environment_intensity", a.environmentIntensity, {n}},
+          {"environment_index", a.environmentIndex, {n}, "environments", e, Kind::Integers, true},
+          {"joint_transforms", a.jointTransforms, ofJoints, "joints", j, Kind::Numbers, true},
+          {"previous_joint_transforms", a.previousJointTransforms, ofJoints, "joints", j},
+          {"next_joint_transforms", a.nextJointTransforms, ofJoints, "joints", j},
+          {"vertices", a.vertices, {n, v, 3}, "meshes", m, Kind::Numbers, true},
+          {"previous_vertices", a.previousVertices, {n, v, 3}, "meshes", m},
+          {"next_vertices", a.nextVertices, {n, v, 3}, "meshes", m},
+          {"material_choice", a.materialChoice, {n, i}, "materials", p, Kind::Integers, true}};
+}
+
+void readArgument(ArrayReader& reader, const ArrayArgument& argument) {
+  const auto& [name, array, shape, list, elements, kind, isRequiredByList, value] = argument;
+  if (isRequiredByList && value.is_none() != (elements == 0)) badValue("{} and {} require each other", list, name);
+  if (value.is_none()) return;
+  if (list && elements == 0) badValue("{} requires the list of {} that it describes: {}", name, list, list);
+  const std::vector<int64_t> lengths = reader.read(value, name, kind, shape, array);
+  if (lengths.size() < 4) return;
+  if (lengths[2] != 3 && lengths[2] != 4) badValue("{} must have matrices of 3 or 4 rows, not of {}", name, lengths[2]);
+  array.rows = static_cast<uint32_t>(lengths[2]);
+}
+
 }  // namespace
 
 std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::dict& keywords,
@@ -170,109 +218,26 @@ std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::
                                       const std::function<uint64_t(Handle<Mesh>)>& vertices) {
   auto given = std::make_unique<GivenWorlds>();
   Worlds& worlds = given->worlds;
-  const int64_t n = integerOf(count, "count", 1, INT32_MAX);
-  worlds.count = static_cast<uint32_t>(n);
+  worlds.count = static_cast<uint32_t>(integerOf(count, "count", 1, INT32_MAX));
   worlds.cameras = camerasOf(cameras, "cameras");
   if (worlds.cameras.empty()) badValue("cameras must have at least one");
   const auto take = [&](const char* name) { return nb::object(keywords.attr("pop")(name, nb::none())); };
   worlds.instances = handlesOf<Instance>(take("instances"), "instances", "an InstanceHandle");
   worlds.cameraInstances = mountsOf(take("camera_instances"), "camera_instances");
-  const auto i = static_cast<int64_t>(worlds.instances.size()), c = static_cast<int64_t>(worlds.cameras.size());
-  const std::pair<const char*, WorldArray*> ofInstances[] = {{"transforms", &worlds.arrays.transforms},
-                                                             {"previous_transforms", &worlds.arrays.previousTransforms},
-                                                             {"next_transforms", &worlds.arrays.nextTransforms},
-                                                             {"exists", &worlds.arrays.exists}};
-  const std::pair<const char*, WorldArray*> ofCameras[] = {
-      {"camera_to_world", &worlds.arrays.cameraToWorld},
-      {"previous_camera_to_world", &worlds.arrays.previousCameraToWorld},
-      {"next_camera_to_world", &worlds.arrays.nextCameraToWorld},
-      {"k", &worlds.arrays.intrinsics}};
-  struct Numbers {
-    const char* name;
-    WorldArray* array;
-    std::vector<int64_t> shape;
-  };
-  const Numbers ofMaterials[] = {{"base_color", &worlds.arrays.baseColor, {n, i, 4}},
-                                 {"metallic", &worlds.arrays.metallic, {n, i}},
-                                 {"roughness", &worlds.arrays.roughness, {n, i}},
-                                 {"emissive", &worlds.arrays.emissive, {n, i, 3}}};
   worlds.palette = handlesOf<Material>(take("materials"), "materials", "a MaterialHandle");
   worlds.lights = handlesOf<Light>(take("lights"), "lights", "a LightHandle");
-  const auto l = static_cast<int64_t>(worlds.lights.size());
-  const Numbers ofLights[] = {{"light_position", &worlds.arrays.lightPosition, {n, l, 3}},
-                              {"light_direction", &worlds.arrays.lightDirection, {n, l, 3}},
-                              {"light_color", &worlds.arrays.lightColor, {n, l, 3}},
-                              {"light_intensity", &worlds.arrays.lightIntensity, {n, l}}};
-  const Numbers ofEnvironment[] = {{"environment_rotation", &worlds.arrays.environmentRotation, {n}},
-                                   {"environment_intensity", &worlds.arrays.environmentIntensity, {n}}};
   if (const nb::object joints = take("joints"); !joints.is_none()) worlds.joints = textsOf(joints, "joints");
-  const std::pair<const char*, WorldArray*> ofJoints[] = {
-      {"joint_transforms", &worlds.arrays.jointTransforms},
-      {"previous_joint_transforms", &worlds.arrays.previousJointTransforms},
-      {"next_joint_transforms", &worlds.arrays.nextJointTransforms}};
   worlds.meshes = handlesOf<Mesh>(take("meshes"), "meshes", "a MeshHandle");
-  int64_t v = 0;
-  for (const Handle<Mesh> mesh : worlds.meshes) v += static_cast<int64_t>(vertices(mesh));
-  const Numbers ofVertices[] = {{"vertices", &worlds.arrays.vertices, {n, v, 3}},
-                                {"previous_vertices", &worlds.arrays.previousVertices, {n, v, 3}},
-                                {"next_vertices", &worlds.arrays.nextVertices, {n, v, 3}}};
-  std::vector<nb::object> values;
-  for (const auto& [name, array] : ofInstances) values.push_back(take(name));
-  for (const auto& [name, array] : ofCameras) values.push_back(take(name));
-  for (const Numbers& numbers : ofMaterials) values.push_back(take(numbers.name));
-  for (const Numbers& numbers : ofLights) values.push_back(take(numbers.name));
-  for (const Numbers& numbers : ofEnvironment) values.push_back(take(numbers.name));
-  for (const auto& [name, array] : ofJoints) values.push_back(take(name));
-  for (const Numbers& numbers : ofVertices) values.push_back(take(numbers.name));
-  const nb::object choice = values.emplace_back(take("material_choice"));
-  if (choice.is_none() != worlds.palette.empty()) badValue("materials and material_choice require each other");
   if (const nb::object names = take("environments"); !names.is_none())
     worlds.environments = pathsOf(names, "environments");
-  const nb::object environment = values.emplace_back(take("environment_index"));
-  if (environment.is_none() != worlds.environments.empty())
-    badValue("environments and environment_index require each other");
-  const bool tensors = std::ranges::any_of(values, [](const nb::object& value) { return isTensor(value); });
-  ArrayReader reader(*given, tensors ? stream() : 0);
-  size_t next = 0;
-  for (const auto& [name, array] : ofInstances) {
-    const nb::object value = values[next++];
-    if (!value.is_none() && i == 0) badValue("{} requires the list of instances that it describes: instances", name);
-    if (array == &worlds.arrays.exists)
-      reader.flags(value, name, i, *array);
-    else
-      reader.transforms(value, name, i, *array);
-  }
-  for (const auto& [name, array] : ofCameras) {
-    if (array == &worlds.arrays.intrinsics)
-      reader.intrinsics(values[next++], name, c, *array);
-    else
-      reader.transforms(values[next++], name, c, *array);
-  }
-  for (const Numbers& numbers : ofMaterials) {
-    if (!values[next].is_none() && i == 0) badValue("factors of materials require the list of instances: instances");
-    reader.numbers(values[next++], numbers.name, numbers.shape, *numbers.array);
-  }
-  for (const Numbers& numbers : ofLights) {
-    if (!values[next].is_none() && l == 0)
-      badValue("{} requires the list of lights that it describes: lights", numbers.name);
-    reader.numbers(values[next++], numbers.name, numbers.shape, *numbers.array);
-  }
-  for (const Numbers& numbers : ofEnvironment)
-    reader.numbers(values[next++], numbers.name, numbers.shape, *numbers.array);
-  if (values[next].is_none() != worlds.joints.empty()) badValue("joints and joint_transforms require each other");
-  for (const auto& [name, array] : ofJoints) {
-    if (!values[next].is_none() && worlds.joints.empty())
-      badValue("{} requires the list of joints that it describes: joints", name);
-    reader.transforms(values[next++], name, static_cast<int64_t>(worlds.joints.size()), *array);
-  }
-  if (values[next].is_none() != worlds.meshes.empty()) badValue("meshes and vertices require each other");
-  for (const Numbers& numbers : ofVertices) {
-    if (!values[next].is_none() && worlds.meshes.empty())
-      badValue("{} requires the list of meshes that it describes: meshes", numbers.name);
-    reader.numbers(values[next++], numbers.name, numbers.shape, *numbers.array);
-  }
-  reader.indices(environment, "environment_index", {n}, worlds.arrays.environmentIndex);
-  reader.indices(choice, "material_choice", {n, i}, worlds.arrays.materialChoice);
+  int64_t vertexCount = 0;
+  for (const Handle<Mesh> mesh : worlds.meshes) vertexCount += static_cast<int64_t>(vertices(mesh));
+  std::vector<ArrayArgument> arguments = arrayArguments(worlds, vertexCount);
+  for (ArrayArgument& argument : arguments) argument.value = take(argument.name);
+  const bool anyTensor =
+      std::ranges::any_of(arguments, [](const ArrayArgument& argument) { return isTensor(argument.value); });
+  ArrayReader reader(*given, anyTensor ? stream() : 0);
+  for (const ArrayArgument& argument : arguments) readArgument(reader, argument);
   return given;
 }
 
@@ -281,7 +246,7 @@ void readRays(GivenWorlds& given, nb::handle origins, nb::handle directions, boo
   const auto read = [&](nb::handle value, const char* name, int64_t rays, WorldArray& array) {
     std::vector<int64_t> shape{rays, 3};
     if (perWorld) shape.insert(shape.begin(), given.worlds.count);
-    return static_cast<uint64_t>(reader.numbers(value, name, shape, array)[perWorld ? 1 : 0]);
+    return static_cast<uint64_t>(reader.read(value, name, Kind::Numbers, shape, array)[perWorld ? 1 : 0]);
   };
   given.rays.count = read(origins, "origins", -1, given.rays.origins);
   read(directions, "directions", static_cast<int64_t>(given.rays.count), given.rays.directions);

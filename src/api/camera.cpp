@@ -26,7 +26,31 @@ scene::Lens internalLens(const Lens& from) {
           from.distortion};
 }
 
+Lens publicLens(const scene::Lens& from) {
+  return {
+      static_cast<LensModel>(from.model), from.width, from.height, from.fx, from.fy, from.cx, from.cy, from.distortion};
+}
+
 }  // namespace
+
+Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
+  Camera c;
+  c.name = camera.name;
+  c.cameraToWorld = rowsOf(render::openCvPose(camera, scene, false));
+  c.orthographic = camera.orthographic;
+  c.verticalFov = camera.verticalFov * kDegreesPerRadian;
+  c.halfHeight = camera.yHalf;
+  c.aspect = camera.aspect;
+  c.nearClip = camera.nearClip;
+  c.farClip = camera.farClip;
+  c.principalX = camera.principal.x;
+  c.principalY = camera.principal.y;
+  if (camera.lens) c.lens = publicLens(*camera.lens);
+  if (camera.aperture) c.aperture = scene::apertureText(*camera.aperture);
+  c.focusDistance = camera.focusDistance;
+  c.noiseSeed = static_cast<uint32_t>(camera.noiseSeed);
+  return c;
+}
 
 bool isRigid(const glm::dmat4& pose, double tolerance) {
   for (int i = 0; i < 4; ++i)

@@ -7,11 +7,18 @@
 #include <memory>
 #include <string>
 
+#include "base/fork.h"
 #include "render/outputs/exported.h"
 #include "vk/device.h"
 #include "vk/resources.h"
 
 namespace latelight {
+
+struct DeviceArray::Impl {
+  OwnerProcess owner;
+  std::shared_ptr<vk::Device> device;  // destroyed after the memory
+  std::shared_ptr<render::ExportedMemory> memory;
+};
 
 struct DeviceArrayMemory {
   static const vk::Buffer& bufferOf(const DeviceArray& array);

@@ -7,12 +7,14 @@
 #include <cmath>
 
 #include "api/renderer.h"
+#include "api/settings.h"
 #include "api/transform.h"
 #include "base/error.h"
 #include "labels/correspondence.h"
 #include "labels/keypoints.h"
 #include "labels/projector.h"
 #include "labels/sight.h"
+#include "render/exposure/check.h"
 #include "render/options/options.h"
 #include "render/submit/session.h"
 #include "scene/animation.h"
@@ -114,6 +116,28 @@ std::vector<KeypointLabel> publicKeypoints(const std::vector<labels::ProjectedKe
 }
 
 }  // namespace
+
+Renderer::Impl::LabelInput Renderer::Impl::labelInput(const Camera& camera, const Options& options) const {
+  owner.require("the renderer");
+  const render::Settings settings = withExposure(settingsFor(*device, options, scene), camera);
+  return {.camera = render::fitted(internalCamera(camera, scene), settings.cameraFit),
+          .settings = settings,
+          .moment = internalState(options, settings, scene, 1)};
+}
+
+Renderer::Impl::WorldLabelInput Renderer::Impl::worldLabelInput(const Worlds& worlds, const Options& options) {
+  owner.require("the renderer");
+  WorldLabelInput input{
+      .cameras = {}, .settings = settingsFor(*device, options, scene, render::RasterUse::Worlds), .moment = {}};
+  render::checkExposure(input.settings, {.worlds = true});
+  rejectExposures(worlds.cameras);
+  input.moment = internalState(options, input.settings, scene, 0);
+  if (worlds.arrays.ready > 0 && inputTimeline) device->waitFirst(inputTimeline->get(), worlds.arrays.ready);
+  input.cameras = source.convert(worlds, input.settings, input.moment, renderer, *device, true).cameras;
+  input.moment.previousCameras.clear();
+  input.moment.nextCameras.clear();
+  return input;
+}
 
 Labels Renderer::labels(const Camera& camera, const Options& options) {
   const Impl::LabelInput input = filled().labelInput(camera, options);

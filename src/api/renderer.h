@@ -9,6 +9,7 @@
 #include <string>
 
 #include "api/scene.h"
+#include "base/error.h"
 #include "base/fork.h"
 #include "render/submit/renderer.h"
 #include "scene/environment/environment.h"
@@ -61,5 +62,19 @@ struct Renderer::Impl {
   };
   WorldLabelInput worldLabelInput(const Worlds& worlds, const Options& options);
 };
+
+// Returns the renderer. Fails in any process other than the one that created it.
+template <typename Impl>
+Impl& usable(const std::shared_ptr<Impl>& renderer) {
+  renderer->owner.require("the renderer");
+  return *renderer;
+}
+
+// Throws Error(Usage) if the results of a ticket have been taken, or in any process other than the renderer's.
+template <typename Impl>
+void requireUntaken(const std::shared_ptr<Impl>& ticket) {
+  if (!ticket) badUsage("these {} have been taken already", Impl::kResults);
+  usable(ticket->renderer);
+}
 
 }  // namespace latelight

@@ -105,4 +105,7 @@ Light publicLight(const scene::Light& from, const scene::Scene& scene);
 // in the file's frame, so that values that were read and set again do not change.
 scene::Light internalLight(const Light& from, const scene::Scene& scene, const scene::Light& like = {});
 
+// Throws Error(Usage) unless there is one radiance per pixel, and twice as many columns as rows.
+scene::Environment makeEnvironment(const EnvironmentData& data);
+
 }  // namespace latelight

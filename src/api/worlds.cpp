@@ -8,6 +8,7 @@
 
 #include "api/device_array.h"
 #include "api/scene.h"
+#include "api/world_array.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
@@ -65,20 +66,15 @@ void checkCount(size_t has, size_t worlds, size_t each, const char* list, std::s
            elements.empty() ? "" : " and ", elements, has);
 }
 
+// Returns the index of a world's environment. `count`: of Worlds::environments.
+uint32_t environmentAt(double index, size_t count) {
+  if (!(index >= 0 && index < static_cast<double>(count)))
+    badUsage("the environments of worlds must be indices in the list of environments, from 0 to {}, and one is {}",
+             count - 1, index);
+  return static_cast<uint32_t>(index);
+}
+
 // --- arrays ----------------------------------------------------------------------------------------------------------
-
-enum class Kind { Numbers, Mask, Integers };
-
-Kind kindOf(WorldArray::Element element) {
-  using enum WorldArray::Element;
-  return element == Uint8 ? Kind::Mask : element == Int32 || element == Int64 ? Kind::Integers : Kind::Numbers;
-}
-
-uint64_t elementBytes(const WorldArray& array) {
-  using enum WorldArray::Element;
-  if (array.element == Uint8) return 1;
-  return array.element == Float64 || array.element == Int64 ? 8 : 4;
-}
 
 // Checks the arrays of a call.
 struct ArrayChecker {
@@ -86,17 +82,12 @@ struct ArrayChecker {
   uint32_t worlds;
 
   // `numbers`: per world. `hasList`: a list of Worlds describes the same.
-  void check(const WorldArray& array, bool hasList, Kind kind, uint64_t numbers, const char* name) const {
+  void check(const WorldArray& array, bool hasList, ElementKind kind, uint64_t numbers, const char* name) const {
     if (!array) return;
     if (hasList) badUsage("Worlds::{} and Worlds::arrays.{} describe the same: omit one of them", name, name);
-    constexpr const char* kElements[] = {"Float32 or Float64", "Uint8", "Int32 or Int64"};
-    if (kindOf(array.element) != kind)
-      badUsage("Worlds::arrays.{} must have elements of the type {}", name, kElements[static_cast<size_t>(kind)]);
-    if (array.host && array.device) badUsage("Worlds::arrays.{} must be in one memory only", name);
-    if (array.offset % 16 != 0) badUsage("Worlds::arrays.{} must begin at a multiple of 16 bytes", name);
-    if (!array.device) return;
-    DeviceArrayMemory::of(*array.device, device, fmt::format("Worlds::arrays.{}", name));
-    if (!DeviceArrayMemory::contains(*array.device, array.offset, worlds, numbers * elementBytes(array)))
+    checkWorldArray(array, kind, device, fmt::format("Worlds::arrays.{}", name));
+    if (array.device &&
+        !DeviceArrayMemory::contains(*array.device, array.offset, worlds, numbers * elementBytes(array)))
       badUsage("Worlds::arrays.{} must have {} numbers in each of {} worlds, which extend beyond its memory", name,
                numbers, worlds);
   }
@@ -104,7 +95,7 @@ struct ArrayChecker {
   void checkMatrices(const WorldArray& array, bool hasList, uint64_t count, const char* name) const {
     if (array && array.rows != 3 && array.rows != 4)
       badUsage("matrices of Worlds::arrays must have 3 or 4 rows, not {}", array.rows);
-    check(array, hasList, Kind::Numbers, 4 * uint64_t{array.rows} * count, name);
+    check(array, hasList, ElementKind::Numbers, 4 * uint64_t{array.rows} * count, name);
   }
 };
 
@@ -265,10 +256,7 @@ void Scene::Impl::WorldConverter::check(const vk::Device& device) const {
   checkCount(from.environmentIndex.size(), from.count, 1, "environmentIndex", "");
   if ((from.environmentIndex.empty() && !from.arrays.environmentIndex) != from.environments.empty())
     badUsage("Worlds::environments and Worlds::environmentIndex require each other");
-  for (const uint32_t index : from.environmentIndex)
-    if (index >= from.environments.size())
-      badUsage("the environments of worlds must be indices in the list of environments, from 0 to {}, and one is {}",
-               from.environments.size() - 1, index);
+  for (const uint32_t index : from.environmentIndex) environmentAt(index, from.environments.size());
   checkCount(from.cameraToWorld.size(), from.count, cameras, "cameraToWorld", "camera");
   checkCount(from.previousCameraToWorld.size(), from.count, cameras, "previousCameraToWorld", "camera");
   checkCount(from.nextCameraToWorld.size(), from.count, cameras, "nextCameraToWorld", "camera");
@@ -291,13 +279,13 @@ void Scene::Impl::WorldConverter::checkArrays(const vk::Device& device) const {
   checker.checkMatrices(a.transforms, !from.transforms.empty(), instances, "transforms");
   checker.checkMatrices(a.previousTransforms, !from.previousTransforms.empty(), instances, "previousTransforms");
   checker.checkMatrices(a.nextTransforms, !from.nextTransforms.empty(), instances, "nextTransforms");
-  checker.check(a.exists, !from.exists.empty(), Kind::Mask, instances, "exists");
+  checker.check(a.exists, !from.exists.empty(), ElementKind::Mask, instances, "exists");
   checker.checkMatrices(a.cameraToWorld, !from.cameraToWorld.empty(), cameras, "cameraToWorld");
   checker.checkMatrices(a.previousCameraToWorld, !from.previousCameraToWorld.empty(), cameras, "previousCameraToWorld");
   checker.checkMatrices(a.nextCameraToWorld, !from.nextCameraToWorld.empty(), cameras, "nextCameraToWorld");
-  checker.check(a.intrinsics, !from.intrinsics.empty(), Kind::Numbers, 9 * cameras, "intrinsics");
+  checker.check(a.intrinsics, !from.intrinsics.empty(), ElementKind::Numbers, 9 * cameras, "intrinsics");
   const auto numbers = [&](const WorldArray& array, bool hasList, uint64_t count, const char* name) {
-    checker.check(array, hasList, Kind::Numbers, count, name);
+    checker.check(array, hasList, ElementKind::Numbers, count, name);
   };
   const bool hasFactors = !from.factors.empty(), hasLightValues = !from.lightValues.empty();
   numbers(a.baseColor, hasFactors, 4 * instances, "baseColor");
@@ -306,8 +294,8 @@ void Scene::Impl::WorldConverter::checkArrays(const vk::Device& device) const {
   numbers(a.emissive, hasFactors, 3 * instances, "emissive");
   numbers(a.environmentRotation, !from.environmentRotation.empty(), 1, "environmentRotation");
   numbers(a.environmentIntensity, !from.environmentIntensity.empty(), 1, "environmentIntensity");
-  checker.check(a.environmentIndex, !from.environmentIndex.empty(), Kind::Integers, 1, "environmentIndex");
-  checker.check(a.materialChoice, !from.materials.empty(), Kind::Integers, instances, "materialChoice");
+  checker.check(a.environmentIndex, !from.environmentIndex.empty(), ElementKind::Integers, 1, "environmentIndex");
+  checker.check(a.materialChoice, !from.materials.empty(), ElementKind::Integers, instances, "materialChoice");
   numbers(a.lightPosition, hasLightValues, 3 * lights, "lightPosition");
   numbers(a.lightDirection, hasLightValues, 3 * lights, "lightDirection");
   numbers(a.lightColor, hasLightValues, 3 * lights, "lightColor");
@@ -330,9 +318,9 @@ void Scene::Impl::WorldConverter::checkDeformations(const vk::Device& device) co
   checker.checkMatrices(a.jointTransforms, false, joints, "jointTransforms");
   checker.checkMatrices(a.previousJointTransforms, false, joints, "previousJointTransforms");
   checker.checkMatrices(a.nextJointTransforms, false, joints, "nextJointTransforms");
-  checker.check(a.vertices, false, Kind::Numbers, vertexNumbers, "vertices");
-  checker.check(a.previousVertices, false, Kind::Numbers, vertexNumbers, "previousVertices");
-  checker.check(a.nextVertices, false, Kind::Numbers, vertexNumbers, "nextVertices");
+  checker.check(a.vertices, false, ElementKind::Numbers, vertexNumbers, "vertices");
+  checker.check(a.previousVertices, false, ElementKind::Numbers, vertexNumbers, "previousVertices");
+  checker.check(a.nextVertices, false, ElementKind::Numbers, vertexNumbers, "nextVertices");
   if (bool(a.jointTransforms) == from.joints.empty())
     badUsage("Worlds::joints and Worlds::arrays.jointTransforms require each other");
   if (bool(a.vertices) == from.meshes.empty())
@@ -722,12 +710,8 @@ Worlds withoutArrays(const Worlds& worlds, vk::Device& device, size_t instances,
     for (const double value : numbersOf(device, a.environmentIntensity, worlds.count))
       lists.environmentIntensity.push_back(static_cast<float>(value));
   if (a.environmentIndex)
-    for (const double index : numbersOf(device, a.environmentIndex, worlds.count)) {
-      if (!(index >= 0 && index < static_cast<double>(worlds.environments.size())))
-        badUsage("the environments of worlds must be indices in the list of environments, from 0 to {}, and one is {}",
-                 worlds.environments.size() - 1, index);
-      lists.environmentIndex.push_back(static_cast<uint32_t>(index));
-    }
+    for (const double index : numbersOf(device, a.environmentIndex, worlds.count))
+      lists.environmentIndex.push_back(environmentAt(index, worlds.environments.size()));
   lists.arrays = {.jointTransforms = a.jointTransforms,
                   .previousJointTransforms = a.previousJointTransforms,
                   .nextJointTransforms = a.nextJointTransforms,

@@ -761,6 +761,10 @@ TEST(PlacedWorlds, AreChecked) {
   EXPECT_THAT(refused({.exists = {.host = numbers}}), HasSubstr("exists must have elements of the type Uint8"));
   EXPECT_THAT(refused({.transforms = {.element = WorldArray::Element::Uint8, .host = numbers}}),
               HasSubstr("Float32 or Float64"));
+  EXPECT_THAT(refused({.transforms = {.host = numbers, .offset = 8}}),
+              HasSubstr("Worlds::arrays.transforms must begin at a multiple of 16 bytes"));
+  EXPECT_THAT(refused({.transforms = {.host = numbers, .device = std::make_shared<DeviceArray>()}}),
+              HasSubstr("Worlds::arrays.transforms must be in one memory only"));
   EXPECT_THAT(refused({.cameraToWorld = {.host = numbers}}), HasSubstr("describe the same: omit one of them"));
   EXPECT_THAT(refused({.previousTransforms = {.host = numbers}}), HasSubstr("require transforms"));
   EXPECT_THAT(refused({.lightColor = {.host = numbers}}), HasSubstr("require Worlds::lights"));

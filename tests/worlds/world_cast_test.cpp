@@ -398,6 +398,25 @@ TEST(WorldCast, TicketsReportErrorsInOneSentence) {
   EXPECT_EQ(none.takeArrays().at("distance").shape, (std::array<uint64_t, 4>{1, 2, 0, 1}));
 }
 
+TEST(WorldCast, RejectsMalformedArrays) {
+  const BoxScene made;
+  Renderer renderer(made.scene, testDevice());
+  const ParallelRays<float> rays(5);
+  const auto rejected = [&](auto change) {
+    WorldRays changed = rays.get();
+    change(changed.directions);
+    return rejectionOf([&] { renderer.cast(Worlds{.count = 1}, changed); });
+  };
+  EXPECT_THAT(rejected([](WorldArray& array) { array.offset = 8; }),
+              HasSubstr("WorldRays::directions must begin at a multiple of 16 bytes"));
+  EXPECT_THAT(rejected([](WorldArray& array) { array.device = std::make_shared<DeviceArray>(); }),
+              HasSubstr("WorldRays::directions must be in one memory only"));
+  EXPECT_THAT(rejected([](WorldArray& array) { array.element = WorldArray::Element::Int32; }),
+              HasSubstr("WorldRays::directions must have elements of the type Float32 or Float64"));
+  EXPECT_THAT(rejected([](WorldArray& array) { array.element = WorldArray::Element::Float64; }),
+              HasSubstr("must have elements of the same type"));
+}
+
 // A device's addresses are invalid in another renderer's device.
 TEST(WorldCast, RejectsArraysOfAnotherRenderer) {
   const BoxScene made;

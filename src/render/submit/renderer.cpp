@@ -6,14 +6,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 #include <ranges>
 
 #include "base/error.h"
 #include "base/log.h"
 #include "render/exposure/check.h"
 #include "render/frame/view.h"
-#include "render/lens/shadow_view.h"
 #include "render/lighting/reference/paths.h"
 #include "render/lighting/technique.h"
 #include "render/options/options.h"
@@ -96,10 +94,6 @@ bool leavesOutBlended(const Settings& settings) {
   return settings.dataSurfaces != DataSurfaces::Any && requestsSurfaces(settings);
 }
 
-bool tracesPaths(const Settings& settings) {
-  return settings.indirect != Indirect::None || settings.lighting->traces || settings.ground != Ground::None;
-}
-
 // Returns true if light is found by rays.
 bool tracesLight(const Settings& settings) {
   return settings.shadows == ShadowFormat::Rays || tracesPaths(settings);
@@ -132,20 +126,6 @@ void requireRaster(const vk::Device& device, const Settings& settings) {
     fail(ExitCode::NoDevice, "{} can't rasterize in compute: {}; {}.", name, lacks,
          compute ? "choose hardware" : "leave the outputs named raster out");
 }
-
-// The lights from which shaders derive those of worlds, whatever these emit.
-struct LightsToPlace {
-  std::vector<shared::Light> lights;
-  std::vector<uint32_t> sources;
-  std::span<const scene::Light> authored;
-
-  explicit LightsToPlace(const GpuWorlds::PlacedLights& placed)
-      : sources(placed.templates.size()), authored(placed.authored) {
-    for (const shared::LightTemplate& light : placed.templates) lights.push_back(light.light[0]);
-    std::iota(sources.begin(), sources.end(), 0u);
-  }
-  ShadowScene scene(const scene::Bounds& bounds) const { return {lights, sources, authored, bounds}; }
-};
 
 bool isAtRest(const SceneState& moment) {
   return moment.poses.current.empty() && !moment.motion.poseAt;
@@ -337,22 +317,6 @@ Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneStat
           moment.groups};
 }
 
-// Returns true if shaders may fit all shadow maps of worlds that they place, or if there are none, or if rays find the
-// shadows of lights that are the same in all views of a world.
-bool Renderer::placesShadows(const Settings& s, const Poses& poses, WorldLights ownLights, bool ownJoints) const {
-  if (s.shadows == ShadowFormat::None || !isLit(s)) return true;
-  std::vector<scene::Light> lights = scene_.lights;
-  if (const std::optional<scene::Light> sun = sunOf(s)) lights.push_back(*sun);
-  if (std::ranges::all_of(lights, &scene::Light::removed)) return true;
-  if (s.shadows == ShadowFormat::Rays) {
-    const auto isArea = [](const scene::Light& light) { return !light.removed && shared::lightIsArea(light.type); };
-    const bool writesLights = ownLights == WorldLights::InArrays && std::ranges::none_of(lights, isArea);
-    return (ownLights == WorldLights::OfScene || writesLights) && castsInAllViews(lights, s);
-  }
-  return poses.current.empty() && ownLights != WorldLights::InLists && !ownJoints &&
-         mapsFitAtlas(lights, s.width, s.height, s);
-}
-
 bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras, const Poses& poses,
                             WorldLights ownLights, bool ownJoints) const {
   const auto blurs = [&](const scene::Camera& camera) { return thinLensOf(camera, s, scene_).radius > 0; };
@@ -371,66 +335,6 @@ std::shared_ptr<const vk::Buffer> Renderer::inputMemory(uint64_t bytes) {
     if (memory.use_count() == 1) return memory;
   return inputMemory_.emplace_back(std::make_shared<const vk::Buffer>(
       device_, vk::BufferDesc{.size = bytes, .kind = vk::MemoryKind::Upload, .name = "arrays of worlds"}));
-}
-
-bool Renderer::castsShadows(const Settings& settings) const {
-  return settings.shadows != ShadowFormat::None && gpuScene_.lightCount() > 0 && isLit(settings) &&
-         !state_.placedShadows;
-}
-
-// Selects the lights whose shadow maps shaders fit to the views of worlds, or whose rays they list for each world.
-void Renderer::planPlacedShadows(const Settings& s, const WorldStates& worlds) {
-  state_.placedShadows = nullptr;
-  if (!worlds.inputs || !castsShadows(s)) return;
-  if (s.shadows == ShadowFormat::Rays) return listRays(s);
-  std::vector<shared::View> views;
-  for (const scene::Camera& camera : worlds.inputs->cameras)
-    views.push_back(shadowView(camera, s.width, s.height, gpuScene_));
-  if (gpuScene_.worlds().placesLights()) {
-    const LightsToPlace lights(gpuScene_.worlds().placedLights());
-    placedShadows_ = render::planPlacedShadows(lights.scene(gpuScene_.deviceBounds()), views, s);
-    gpuScene_.castMaps(placedShadows_.casters);
-  } else {
-    placedShadows_ = render::planPlacedShadows(shadowSceneOf(gpuScene_), views, s);
-  }
-  state_.placedShadows = &placedShadows_;
-}
-
-// Selects the lights of worlds whose shadows rays find, if shaders write these lights.
-void Renderer::listRays(const Settings& settings) {
-  if (!gpuScene_.worlds().placesLights()) return;
-  const LightsToPlace lights(gpuScene_.worlds().placedLights());
-  gpuScene_.castRays(raysOfLights(lights.scene({}), settings));
-}
-
-// Plans the maps for the full pictures without jitter, so that the samples and strips of a picture share the positions
-// of their maps in the atlas.
-ShadowPlan Renderer::planShadows(std::span<const scene::Camera> cameras, const Settings& settings) const {
-  if (!castsShadows(settings)) return {};
-  std::vector<shared::View> views;
-  for (const scene::Camera& camera : cameras)
-    views.push_back(shadowView(camera, settings.width, settings.height, gpuScene_));
-  std::vector<ShadowScene> worlds;
-  for (uint32_t world = 0; world < std::max(1u, gpuScene_.worlds().count()); ++world)
-    worlds.push_back(shadowSceneOf(gpuScene_, world));
-  return render::planShadows(worlds, views, settings);
-}
-
-// Returns the rays to the lights of worlds that shaders place.
-ShadowPlan Renderer::planPlacedRays(const Settings& settings) const {
-  if (!gpuScene_.worlds().placesLights()) return render::planPlacedRays(shadowSceneOf(gpuScene_), settings);
-  const GpuWorlds::PlacedLights& lights = gpuScene_.worlds().placedLights();
-  return {.placed = {lights.casters, lights.mostRays, lights.rayShadows, lights.others}};
-}
-
-// Returns null if no light casts shadows. From here on, newly planned maps may replace earlier ones in the atlas.
-std::shared_ptr<FrameShadows> Renderer::placeShadows(ShadowPlan plan, const Settings& settings) {
-  if (placedRays_ && placedRays_->repeats(plan, gpuScene_)) return placedRays_;
-  ShadowMapCache& kept = shadowMaps_[rastersInCompute(settings)];
-  auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, std::move(plan), settings, kept);
-  if (shadows->empty()) return nullptr;
-  if (shadows->plan().sameInAllViews) placedRays_ = shadows;
-  return shadows;
 }
 
 Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment,
@@ -615,105 +519,6 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
   part.checks = replay->checks;
   part.submission = executor_.submit(replay->recorded);
   return {Start::Done};
-}
-
-std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
-  const Settings& s = part.job.settings;
-  if (!sceneInput_ || !rastersInCompute(s) || s.lighting->draws || s.aa.superSampling > 1 || keepsHistory(s) ||
-      s.describeGraph || (part.shadows && !part.shadows->tracesRays()) || part.job.exposes || part.job.rowsAreViews ||
-      bendsRays(part.job.camera(part.first)))
-    return std::nullopt;
-  ReplayKey key{
-      .views = part.count,
-      .firstView = part.job.result.arrays.empty() ? 0 : part.first,
-      .arrays = {},
-      .strip = part.strip,
-      .results = part.job.results,
-      .revisions = {sceneInput_->edits[0], sceneInput_->edits[1], sceneInput_->edits[2],
-                    gpuScene_.materials().sceneRevision()},
-      .textureSlots = gpuScene_.materials().textureSlots(),
-      .codedTextureSlots = gpuScene_.materials().codedTextureSlots(),
-      .layers = gpuScene_.materials().layers(),
-      .worlds = part.job.placedWorlds > 0 ? ReplayKey::Worlds::PlacedByShaders
-                : gpuScene_.hasWorlds()   ? ReplayKey::Worlds::ConvertedByHost
-                                          : ReplayKey::Worlds::None,
-      .metered = !part.job.meteredExposures.empty(),
-      .mixesBlended = rasterInstances_.mixesBlended(),
-      .anyBlended = rasterInstances_.anyBlended(),
-      .lights = gpuScene_.lightCount(),
-      .localLights = gpuScene_.localLights(),
-      .unboundedLights = gpuScene_.unboundedLights(),
-      .areaLights = gpuScene_.areaLights(),
-      .anyVast = gpuScene_.anyVast(),
-      .textures = device_.maxTextureArray() ? gpuScene_.materials().textureSet() : VK_NULL_HANDLE,
-      .environment = state_.environment,
-      .placedShadows = {},
-      .shadowColumns = part.shadows ? part.shadows->columns() : 0,
-      .shadowRays = part.shadows && device_.isCpu() ? part.shadows->mostRays() : 0,
-      .emitters = bvh_ && tracesPaths(s) ? bvh_->emitterCount() : 0,
-      .anyTranslucent = tracesPaths(s) && gpuScene_.anyTranslucent(),
-      .groundHeight = s.ground == Ground::None ? 0 : s.groundHeight.value_or(lowestPoint_) - gpuScene_.origin().z,
-      .loadsTexels = device_.memory().isAllInWindow(),
-      .instances = rasterInstances_.address(),
-      .firstTriangles = rasterInstances_.firstTriangles(),
-      .objectFrames = gpuScene_.objectFrames(),
-      .solid = rasterInstances_.solid(),
-      .all = rasterInstances_.all(),
-      .materials = rasterInstances_.materials(),
-      .ambientOcclusionScale =
-          s.ambientOcclusion == AmbientOcclusion::None || gpuScene_.hasWorlds() ? 0 : gpuScene_.bounds().radius(),
-      .capacities = {overflow_.fragments, overflow_.longestList, overflow_.rasterWork, overflow_.clippedTriangles,
-                     overflow_.mediumTriangles, overflow_.largeTriangles, overflow_.tileEntries},
-      .settings = s,
-  };
-  if (state_.placesShadows())
-    key.placedShadows = {placedShadows_.suns.size(), placedShadows_.locals.size(), placedShadows_.localMaps,
-                         placedShadows_.depths.size(), placedShadows_.lights.size()};
-  for (const ExportedArray& array : part.job.result.arrays) key.arrays.push_back(array.memory->serial);
-  return key;
-}
-
-std::shared_ptr<Replay> Renderer::replayOf(ViewBatch& part, const ReplayKey& key) {
-  if (std::shared_ptr<Replay> replay = replays_.find(key, executor_, clusterOcclusion_, device_)) {
-    replay->update(part.job.placedWorlds > 0 ? placedViewsOf(part) : viewsOf(part, CameraSample{}), part.shadows);
-    for (const ClusterOcclusion::Decision& decision : replay->decisions) clusterOcclusion_.noteRepeated(decision);
-    part.replayed = true;
-    return replay;
-  }
-  if (!replays_.shouldRecord(key)) return nullptr;
-  try {
-    std::shared_ptr<Replay> replay = recordReplay(part);
-    replays_.add(key, replay);
-    return replay;
-  } catch (const Error& error) {
-    if (error.code() != ExitCode::OutOfMemory) throw;
-  }
-  replays_.clear();
-  return nullptr;
-}
-
-std::shared_ptr<Replay> Renderer::recordReplay(const ViewBatch& part) {
-  const Settings& s = part.job.settings;
-  const ViewsInTime views = viewsOf(part, CameraSample{});
-  const ResultArrays arrays{part.job.result.arrays, part.first, part.strip.first};
-  overflow_.checks.clear();  // left by an error
-  clusterOcclusion_.takeDecisions();
-  const auto replay =
-      std::make_shared<Replay>(s, state_, scene_.yUp && s.axes == Axes::File, views, part.shadows, arrays);
-  replay->request.finish({}, {});
-  replay->request.exportResults(part.job.results);
-  replay->request.addConstants();
-  replay->checks = std::exchange(overflow_.checks, {});
-  replay->decisions = clusterOcclusion_.takeDecisions();
-  replay->recorded = executor_.record(replay->request.graph(), replay->request.graph().compile());
-  return replay;
-}
-
-// Submits the scene's changes in a graph of their own, before the commands of a replay.
-void Renderer::submitChanges(ViewBatch& part) {
-  graph::Graph graph(executor_);
-  addSceneChanges(graph);
-  if (graph.passCount() > 0) part.earlier.push_back(submit(graph, graph.compile()));
 }
 
 Renderer::IndirectInput Renderer::indirectInputOf(const Settings& settings) const {

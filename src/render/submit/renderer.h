@@ -134,7 +134,8 @@ class Renderer {
   // `maxBytes`: limit on the transient memory of the first graph.
   Start startPart(ViewBatch& part, std::optional<uint64_t> maxBytes);
   Start build(ViewBatch& part, std::optional<uint64_t> maxBytes);
-  // Return the replay of a batch, or nothing if its commands depend on more than their key, or if it was not recorded.
+  // Return the replay of a batch, or nothing if its commands depend on more than their key, or if it was not recorded
+  // (replay.cpp).
   std::optional<ReplayKey> replayKey(const ViewBatch& part) const;
   std::shared_ptr<Replay> replayOf(ViewBatch& part, const ReplayKey& key);
   std::shared_ptr<Replay> recordReplay(const ViewBatch& part);
@@ -188,6 +189,7 @@ class Renderer {
   Start submitRequest(ViewBatch& part, std::optional<uint64_t> maxBytes);
   Start accumulate(ViewBatch& part, const CameraSample& sample, const vk::Image& sum, std::optional<uint64_t> maxBytes,
                    bool first);
+  // The plans of shadows (shadows.cpp).
   bool placesShadows(const Settings& settings, const Poses& poses, WorldLights ownLights, bool ownJoints) const;
   void planPlacedShadows(const Settings& settings, const WorldStates& worlds);
   bool castsShadows(const Settings& settings) const;  // by maps that the host plans

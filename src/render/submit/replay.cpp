@@ -2,6 +2,14 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
+#include <utility>
+
+#include "base/error.h"
+#include "render/frame/view.h"
+#include "render/lighting/technique.h"
+#include "render/submit/job.h"
+#include "render/submit/renderer.h"
 
 namespace latelight::render {
 
@@ -52,6 +60,105 @@ void ReplayCache::forget(const ReplayKey& key) {
 
 void ReplayCache::add(const ReplayKey& key, std::shared_ptr<Replay> replay) {
   if (Entry* entry = entryOf(key)) entry->replays.push_back(std::move(replay));
+}
+
+std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
+  const Settings& s = part.job.settings;
+  if (!sceneInput_ || !rastersInCompute(s) || s.lighting->draws || s.aa.superSampling > 1 || keepsHistory(s) ||
+      s.describeGraph || (part.shadows && !part.shadows->tracesRays()) || part.job.exposes || part.job.rowsAreViews ||
+      bendsRays(part.job.camera(part.first)))
+    return std::nullopt;
+  ReplayKey key{
+      .views = part.count,
+      .firstView = part.job.result.arrays.empty() ? 0 : part.first,
+      .arrays = {},
+      .strip = part.strip,
+      .results = part.job.results,
+      .revisions = {sceneInput_->edits[0], sceneInput_->edits[1], sceneInput_->edits[2],
+                    gpuScene_.materials().sceneRevision()},
+      .textureSlots = gpuScene_.materials().textureSlots(),
+      .codedTextureSlots = gpuScene_.materials().codedTextureSlots(),
+      .layers = gpuScene_.materials().layers(),
+      .worlds = part.job.placedWorlds > 0 ? ReplayKey::Worlds::PlacedByShaders
+                : gpuScene_.hasWorlds()   ? ReplayKey::Worlds::ConvertedByHost
+                                          : ReplayKey::Worlds::None,
+      .metered = !part.job.meteredExposures.empty(),
+      .mixesBlended = rasterInstances_.mixesBlended(),
+      .anyBlended = rasterInstances_.anyBlended(),
+      .lights = gpuScene_.lightCount(),
+      .localLights = gpuScene_.localLights(),
+      .unboundedLights = gpuScene_.unboundedLights(),
+      .areaLights = gpuScene_.areaLights(),
+      .anyVast = gpuScene_.anyVast(),
+      .textures = device_.maxTextureArray() ? gpuScene_.materials().textureSet() : VK_NULL_HANDLE,
+      .environment = state_.environment,
+      .placedShadows = {},
+      .shadowColumns = part.shadows ? part.shadows->columns() : 0,
+      .shadowRays = part.shadows && device_.isCpu() ? part.shadows->mostRays() : 0,
+      .emitters = bvh_ && tracesPaths(s) ? bvh_->emitterCount() : 0,
+      .anyTranslucent = tracesPaths(s) && gpuScene_.anyTranslucent(),
+      .groundHeight = s.ground == Ground::None ? 0 : s.groundHeight.value_or(lowestPoint_) - gpuScene_.origin().z,
+      .loadsTexels = device_.memory().isAllInWindow(),
+      .instances = rasterInstances_.address(),
+      .firstTriangles = rasterInstances_.firstTriangles(),
+      .objectFrames = gpuScene_.objectFrames(),
+      .solid = rasterInstances_.solid(),
+      .all = rasterInstances_.all(),
+      .materials = rasterInstances_.materials(),
+      .ambientOcclusionScale =
+          s.ambientOcclusion == AmbientOcclusion::None || gpuScene_.hasWorlds() ? 0 : gpuScene_.bounds().radius(),
+      .capacities = {overflow_.fragments, overflow_.longestList, overflow_.rasterWork, overflow_.clippedTriangles,
+                     overflow_.mediumTriangles, overflow_.largeTriangles, overflow_.tileEntries},
+      .settings = s,
+  };
+  if (state_.placesShadows())
+    key.placedShadows = {placedShadows_.suns.size(), placedShadows_.locals.size(), placedShadows_.localMaps,
+                         placedShadows_.depths.size(), placedShadows_.lights.size()};
+  for (const ExportedArray& array : part.job.result.arrays) key.arrays.push_back(array.memory->serial);
+  return key;
+}
+
+std::shared_ptr<Replay> Renderer::replayOf(ViewBatch& part, const ReplayKey& key) {
+  if (std::shared_ptr<Replay> replay = replays_.find(key, executor_, clusterOcclusion_, device_)) {
+    replay->update(part.job.placedWorlds > 0 ? placedViewsOf(part) : viewsOf(part, CameraSample{}), part.shadows);
+    for (const ClusterOcclusion::Decision& decision : replay->decisions) clusterOcclusion_.noteRepeated(decision);
+    part.replayed = true;
+    return replay;
+  }
+  if (!replays_.shouldRecord(key)) return nullptr;
+  try {
+    std::shared_ptr<Replay> replay = recordReplay(part);
+    replays_.add(key, replay);
+    return replay;
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::OutOfMemory) throw;
+  }
+  replays_.clear();
+  return nullptr;
+}
+
+std::shared_ptr<Replay> Renderer::recordReplay(const ViewBatch& part) {
+  const Settings& s = part.job.settings;
+  const ViewsInTime views = viewsOf(part, CameraSample{});
+  const ResultArrays arrays{part.job.result.arrays, part.first, part.strip.first};
+  overflow_.checks.clear();  // left by an error
+  clusterOcclusion_.takeDecisions();
+  const auto replay =
+      std::make_shared<Replay>(s, state_, scene_.yUp && s.axes == Axes::File, views, part.shadows, arrays);
+  replay->request.finish({}, {});
+  replay->request.exportResults(part.job.results);
+  replay->request.addConstants();
+  replay->checks = std::exchange(overflow_.checks, {});
+  replay->decisions = clusterOcclusion_.takeDecisions();
+  replay->recorded = executor_.record(replay->request.graph(), replay->request.graph().compile());
+  return replay;
+}
+
+// Submits the scene's changes in a graph of their own, before the commands of a replay.
+void Renderer::submitChanges(ViewBatch& part) {
+  graph::Graph graph(executor_);
+  addSceneChanges(graph);
+  if (graph.passCount() > 0) part.earlier.push_back(submit(graph, graph.compile()));
 }
 
 }  // namespace latelight::render

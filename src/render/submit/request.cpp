@@ -55,6 +55,10 @@ bool isLit(const Settings& s) {
   return showsPicture(s) || requestsOutput(s, Origin::LightCounts);
 }
 
+bool tracesPaths(const Settings& settings) {
+  return settings.indirect != Indirect::None || settings.lighting->traces || settings.ground != Ground::None;
+}
+
 FrameGraphBuilder::FrameGraphBuilder(const RenderState& state, const Settings& settings, bool yUp,
                                      const ViewsInTime& steady, const ViewsInTime& jittered,
                                      const FrameShadows* shadows, ShadowMapState shadowState,

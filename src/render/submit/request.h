@@ -14,6 +14,7 @@ namespace latelight::render {
 
 FrameConfig frameSetup(const Settings& settings, bool shadows);
 bool isLit(const Settings& settings);  // data outputs require no lighting
+bool tracesPaths(const Settings& settings);
 
 // The sum of several frames of a picture.
 struct PictureSum {

@@ -1,0 +1,274 @@
+// The renderer of the public API: pictures of cameras and of worlds, their tickets, and picks.
+#include "api/renderer.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "api/device_array.h"
+#include "api/settings.h"
+#include "base/error.h"
+#include "render/submit/picking.h"
+#include "render/submit/session.h"
+
+namespace latelight {
+
+namespace {
+
+render::Results internalResults(Results results) {
+  switch (results) {
+    case Results::OnDevice:
+      return render::Results::OnDevice;
+    case Results::Arrays:
+      return render::Results::Exported;
+    default:
+      return render::Results::ToHost;
+  }
+}
+
+Frame publicFrame(output::FrameOutput&& from) {
+  Frame frame;
+  frame.width = from.width;
+  frame.height = from.height;
+  frame.rgba = std::move(from.display);
+  frame.exposure = from.exposure;
+  for (output::AovImage& image : from.aovs) {
+    const output::AovInfo& info = output::info(image.aov);
+    frame.aovs[std::string(info.name)] = {info.channels, std::move(image.values), std::move(image.ids)};
+  }
+  return frame;
+}
+
+}  // namespace
+
+Renderer::Renderer(const Scene& scene, const std::string& device, const EnvironmentData& environment)
+    : impl_(ownedByProcess(new Impl(scene.filled(), device, makeEnvironment(environment)))) {}
+Renderer::Renderer(const Scene& scene, const std::string& device, const std::string& environment)
+    : impl_(ownedByProcess(
+          new Impl(scene.filled(), device,
+                   render::loadEnvironment(scene.filled().scene,
+                                           render::environmentName(scene.filled().scene, environment, false))))) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+Renderer::Impl& Renderer::filled() const {
+  if (!impl_) badUsage("this renderer has been moved to another object: use that one");
+  return usable(impl_);
+}
+
+const std::string& Renderer::deviceName() const {
+  return filled().device->info().name;
+}
+
+const std::string& Renderer::deviceUuid() const {
+  return filled().device->info().uuid;
+}
+
+std::vector<std::string> Renderer::validationMessages() {
+  return filled().device->validationMessages();
+}
+
+void Renderer::whileWaiting(std::function<void()> check) {
+  filled().device->whileWaiting(std::move(check));
+}
+
+void Renderer::finish() {
+  filled().device->finish();
+}
+
+Frame Renderer::render(const Camera& camera, const Options& options) {
+  return std::move(render(std::vector<Camera>{camera}, options).front());
+}
+
+std::vector<Frame> Renderer::render(const std::vector<Camera>& cameras, const Options& options) {
+  return submit(cameras, options).take();
+}
+
+struct Ticket::Impl {
+  static constexpr const char* kResults = "pictures";
+  std::shared_ptr<Renderer::Impl> renderer;
+  render::Ticket ticket;
+  Results results;
+  std::vector<uint32_t> invalidWorlds{};
+  bool awaitsWorlds = false;  // the device reports invalid worlds
+
+  // Waits for the report.
+  void checkWorlds() {
+    if (!awaitsWorlds) return;
+    const std::vector<uint32_t> status = ticket.worldStatus();
+    invalidWorlds = worldsOfStatus(status);
+    awaitsWorlds = false;
+    warnOfInvalidWorlds(invalidWorlds, status.size());
+  }
+};
+
+Ticket::Ticket() = default;
+Ticket::~Ticket() = default;
+Ticket::Ticket(Ticket&&) noexcept = default;
+Ticket& Ticket::operator=(Ticket&&) noexcept = default;
+
+bool Ticket::done() const {
+  return !impl_ || (usable(impl_->renderer), impl_->ticket.done());
+}
+
+std::vector<float> Ticket::exposures() const {
+  requireUntaken(impl_);
+  return impl_->ticket.exposures();
+}
+
+std::vector<Frame> Ticket::take() {
+  requireUntaken(impl_);
+  if (impl_->results == Results::Arrays) badUsage("these pictures are arrays on the device: take those");
+  const std::shared_ptr<Impl> taken = std::move(impl_);
+  taken->checkWorlds();
+  std::vector<Frame> frames;
+  for (output::FrameOutput& frame : taken->ticket.take().frames) frames.push_back(publicFrame(std::move(frame)));
+  return frames;
+}
+
+std::map<std::string, DeviceArray> Ticket::takeArrays() {
+  requireUntaken(impl_);
+  if (impl_->results != Results::Arrays) badUsage("these pictures are no arrays: submit them with Results::Arrays");
+  const std::shared_ptr<Impl> taken = std::move(impl_);
+  taken->checkWorlds();
+  std::map<std::string, DeviceArray> arrays;
+  for (render::ExportedArray& from : taken->ticket.take().arrays) {
+    DeviceArray& array = arrays[from.aov ? std::string(output::info(*from.aov).name) : "rgba"];
+    using enum DeviceArray::Element;
+    const bool integers = from.aov && output::holdsIntegers(*from.aov), shorter = from.elementBytes == 2;
+    array.element = !from.aov ? Uint8 : integers ? (shorter ? Uint16 : Uint32) : shorter ? Float16 : Float32;
+    array.shape = {from.views, from.rows, from.columns, from.channels};
+    array.channelsFirst = from.channelsFirst;
+    if (from.channelsFirst) array.shape = {from.views, from.channels, from.rows, from.columns};
+    array.impl_ = ownedByProcess(
+        new DeviceArray::Impl{.owner = {}, .device = taken->renderer->device, .memory = std::move(from.memory)});
+  }
+  return arrays;
+}
+
+namespace {
+
+// Whoever reads the arrays must have finished. `ordered`: the device waits for them.
+render::ExportTargets targetsOf(const std::map<std::string, DeviceArray>& arrays, const vk::Device& device,
+                                Results results, bool ordered) {
+  if (!arrays.empty() && results != Results::Arrays) badUsage("only Results::Arrays are rendered into given arrays");
+  render::ExportTargets targets = DeviceArrayMemory::targets(arrays, device);
+  for (const auto& [aov, memory] : targets)
+    if (!ordered && memory->beforeReuse) memory->beforeReuse();
+  return targets;
+}
+
+void checkFormats(const Options& options, Results results) {
+  if ((!options.formats.empty() || options.channelsFirst) && results != Results::Arrays)
+    badUsage("formats and the order of channels apply to Results::Arrays only");
+}
+
+}  // namespace
+
+Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options, Results results,
+                        const std::map<std::string, DeviceArray>& targets) {
+  filled();
+  checkFormats(options, results);
+  if (cameras.empty()) badUsage("nothing can be rendered without a camera");
+  const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
+  const std::vector<scene::Camera> internal =
+      internalCameras(cameras, impl_->scene, cameras.size(), settings.cameraFit);
+  render::SceneState moment = internalState(options, settings, impl_->scene, cameras.size());
+  setExposures(moment, cameras, settings);
+  Ticket ticket;
+  ticket.impl_ =
+      ownedByProcess(new Ticket::Impl{impl_,
+                                      impl_->renderer.submit(internal, settings, moment, internalResults(results),
+                                                             targetsOf(targets, *impl_->device, results, false)),
+                                      results});
+  return ticket;
+}
+
+std::vector<Frame> Renderer::render(const Worlds& worlds, const Options& options) {
+  return submit(worlds, options).take();
+}
+
+std::vector<const scene::Environment*> Renderer::Impl::environmentsOf(const std::vector<std::string>& names) {
+  std::vector<const scene::Environment*> found;
+  for (const std::string& name : names) {
+    if (name.empty() || name == "none") badUsage("the environments of worlds must be .hdr or .exr files, or studio");
+    auto known = environments.find(name);
+    if (known == environments.end()) known = environments.emplace(name, *render::loadEnvironment(scene, name)).first;
+    found.push_back(&known->second);
+  }
+  return found;
+}
+
+Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results results,
+                        const std::map<std::string, DeviceArray>& targets) {
+  filled();
+  checkFormats(options, results);
+  if (!options.previousCameras.empty() || !options.nextCameras.empty())
+    badUsage("worlds have previous and next cameras of their own: leave those of the options empty");
+  rejectExposures(worlds.cameras);
+  const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene, render::RasterUse::Worlds);
+  render::SceneState moment = internalState(options, settings, impl_->scene, 0);
+  if (worlds.arrays.ready > 0 && impl_->inputTimeline)
+    impl_->device->waitFirst(impl_->inputTimeline->get(), worlds.arrays.ready);
+  moment.worlds.environments = impl_->environmentsOf(worlds.environments);
+  const WorldCameras internal = impl_->source.convert(worlds, settings, moment, impl_->renderer, *impl_->device);
+  Ticket ticket;
+  ticket.impl_ = ownedByProcess(
+      new Ticket::Impl{impl_,
+                       impl_->renderer.submit(internal.cameras, settings, moment, internalResults(results),
+                                              targetsOf(targets, *impl_->device, results, worlds.arrays.ready > 0)),
+                       results, internal.invalid, internal.onDevice});
+  return ticket;
+}
+
+std::shared_ptr<const DeviceArray> Renderer::inputArray(uint64_t bytes) {
+  vk::Device& device = *filled().device;
+  auto array = std::make_shared<DeviceArray>();
+  array->element = DeviceArray::Element::Uint8;
+  array->shape = {1, 1, 1, bytes};
+  const uint64_t padded = (std::min(bytes, ~uint64_t{0} - 15) + 15) / 16 * 16;
+  array->impl_ = ownedByProcess(
+      new DeviceArray::Impl{.owner = {}, .device = impl_->device, .memory = impl_->inputs->take(device, padded)});
+  return array;
+}
+
+int Renderer::exportInputSemaphore() {
+  Impl& impl = filled();
+  if (!impl.inputTimeline) impl.inputTimeline.emplace(*impl.device);
+  return impl.inputTimeline->exportSemaphore();
+}
+
+const std::vector<uint32_t>& Ticket::invalidWorlds() const {
+  requireUntaken(impl_);
+  impl_->checkWorlds();
+  return impl_->invalidWorlds;
+}
+
+std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
+                                 const Options& options) {
+  Impl& impl = filled();
+  const render::Settings settings = withExposure(settingsFor(*impl.device, options, impl.scene), camera);
+  std::vector<glm::uvec2> places;
+  for (const auto& [x, y] : pixels) places.push_back({x, y});
+  const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };
+  std::vector<Pick> picks;
+  const scene::Camera view = render::fitted(internalCamera(camera, impl.scene), settings.cameraFit);
+  const render::SceneState moment = internalState(options, settings, impl.scene, 1);
+  for (const render::Picked& p : render::pick(impl.renderer, impl.scene, view, settings, places, moment).picked)
+    picks.push_back({p.id,
+                     p.part,
+                     p.node,
+                     p.mesh,
+                     p.material,
+                     p.primitive,
+                     three(p.position),
+                     three(p.normal),
+                     three(p.geonormal),
+                     p.depth,
+                     p.distance,
+                     {p.uv.x, p.uv.y}});
+  return picks;
+}
+
+}  // namespace latelight
