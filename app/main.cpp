@@ -23,6 +23,17 @@
 #include "base/log.h"
 #include "base/temporary_file.h"
 
+namespace latelight::app {
+
+void addQuietFlag(CLI::App& command) {
+  command
+      .add_flag_callback(
+          "-q,--quiet", [] { setQuiet(true); }, "Suppress warnings and progress")
+      ->trigger_on_parse();
+}
+
+}  // namespace latelight::app
+
 namespace {
 
 using namespace latelight;
@@ -163,9 +174,7 @@ int parseAndRun(int argc, char** argv) {
   cli.set_version_flag("--version", std::string("latelight ") + version());
   cli.require_subcommand(0, 1);  // a better message than "a subcommand is required" follows below
   cli.get_formatter()->column_width(34);
-  cli.add_flag_callback(
-         "-q,--quiet", [] { setQuiet(true); }, "Suppress warnings and progress")
-      ->trigger_on_parse();
+  app::addQuietFlag(cli);
   cli.fallthrough();
   app::addRenderCommand(cli);
   app::addBatchCommand(cli);

@@ -111,6 +111,48 @@ TEST(BatchCommand, FoldersWithoutADataSetAreReported) {
   EXPECT_TRUE(fs::is_empty(folder.path() / "empty"));
 }
 
+TEST(BatchCommand, StatusAndVerifyTreatEveryFolder) {
+  const Folder folder;
+  for (const char* name : {"a", "b", "[a,b]"})
+    ASSERT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", name})).code, 0);
+  const auto run = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "batch");
+    return latelight({.arguments = arguments, .folder = folder.path()});
+  };
+  EXPECT_EQ(run({"verify", "a"}).out, "the files of 1 frames are as they were written\n");
+  EXPECT_EQ(run({"verify", "a", "b", "[a,b]", "-q"}).out,
+            "a: the files of 1 frames are as they were written\nb: the files of 1 frames are as they were written\n"
+            "[a,b]: the files of 1 frames are as they were written\n");
+  EXPECT_EQ(run({"status", "[a,b]", "b"}).out, "[a,b]: 1 of 1 frames are finished\nb: 1 of 1 frames are finished\n");
+  folder.write("b/000000.png", "damaged");
+  const Outcome damaged = run({"verify", "a", "b", "[a,b]"});
+  EXPECT_EQ(damaged.code, 3);
+  EXPECT_THAT(damaged.err, HasSubstr("1 files of 'b' differ from what was written"));
+  EXPECT_THAT(damaged.out, HasSubstr("[a,b]: the files of 1 frames")) << "folders after a damaged one are checked";
+  EXPECT_EQ(run({"verify", "a", "missing"}).code, 3);
+  EXPECT_EQ(run({"status", "a", "missing"}).code, 3);
+}
+
+TEST(BatchCommand, FoldersHaveNoJob) {
+  const Folder folder;
+  ASSERT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", "a"})).code, 0);
+  const std::vector<std::pair<std::vector<std::string>, const char*>> wrong{
+      {{"nope.yaml", "status", "a"}, "omit nope.yaml"},
+      {{"--resume", "verify", "a"}, "omit --resume"},
+      {{"verify", "a", "--resume", "--shard", "9/3"}, "--resume"},
+      {{"status", "a", "nonsense", "--size", "8x8"}, "--size"},
+      {{"merge", "a", "b"}, "b"},
+      {{"merge", "a", "--resume"}, "--resume"}};
+  for (const auto& [words, part] : wrong) {
+    std::vector<std::string> arguments{"batch"};
+    arguments.insert(arguments.end(), words.begin(), words.end());
+    const Outcome outcome = latelight({.arguments = arguments, .folder = folder.path()});
+    EXPECT_EQ(outcome.code, 2) << part;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_THAT(outcome.err, HasSubstr(part));
+  }
+}
+
 // The lines are those of the entries. Values of the command line have none.
 TEST(BatchCommand, ErrorsInCamerasAndVariationsNameTheLine) {
   const Folder folder;
