@@ -223,6 +223,9 @@ OutputDifference measure(const ReadImage& a, const ReadImage& b, const Group& gr
   result.pixels = uint64_t{a.width} * a.height;
   std::optional<double> tolerance = group.measure == Measure::Identity ? std::nullopt : options.tolerance;
   if (const auto own = options.tolerances.find(group.name); own != options.tolerances.end()) tolerance = own->second;
+  if (group.measure == Measure::Identity && tolerance.value_or(0) > 0)
+    badUsage("--tolerance does not apply to \"{0}\", whose values are equal or not: omit {0}={1}", group.name,
+             *tolerance);
   result.tolerance = tolerance.value_or(defaultTolerance(group.measure));
   if (group.measure == Measure::Color || group.measure == Measure::Difference) {
     measureChannels(a, b, tolerance, result);

@@ -57,7 +57,7 @@ struct OutputOptions {
 ReadImage asOutput(const ReadImage& image, const std::filesystem::path& path);
 
 // Returns the differences in the order of the table of outputs. Throws Error(BadInput) if sizes or channels differ.
-// Throws Error(Usage) for a channel that neither image has, and for a tolerance of an output that is absent.
+// Throws Error(Usage) for a channel that neither image has, and for a tolerance of an output that is absent or of ids.
 std::vector<OutputDifference> compareOutputs(const ReadImage& a, const ReadImage& b, const OutputOptions& options = {});
 
 }  // namespace latelight::output

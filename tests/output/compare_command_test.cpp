@@ -95,7 +95,9 @@ TEST_F(CompareCommand, MeasuresEachOutput) {
   EXPECT_EQ(outputs["id"]["measure"], "identity");
   EXPECT_EQ(outputs["id"]["share"], 0.5);
   EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "depth=0.01"}), 1) << "the ids differ";
-  EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "depth=0.01,id=1"}), 0);
+  EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "depth=0.01,id=1"}), 2) << "ids have no tolerance";
+  EXPECT_EQ(printed, "");
+  EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "depth=0.01,id=0"}), 1);
   EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "1", "--share", "0.5"}), 0);
   EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--channel", "Z", "--tolerance", "0.01"}), 0);
   EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "normal=1"}), 2) << "the files have none";

@@ -94,6 +94,12 @@ TEST(CompareOutputs, IdsAreEqualOrNot) {
   const OutputDifference d = only({{"id", {1, 2, 4294967295.0, 4}}}, {{"id", {1, 3, 4294967294.0, 4}}}, options);
   EXPECT_EQ(d.beyond, 2u);
   EXPECT_EQ(d.share(), 0.5);
+  options.tolerances["id"] = 1e9;
+  EXPECT_THAT(sentence(ExitCode::Usage,
+                       [&] {
+                         compareOutputs(image({{"id", {1}}}), image({{"id", {2}}}), options);
+                       }),
+              HasSubstr("equal or not"));
 }
 
 TEST(CompareOutputs, TolerancesAreByOutput) {
