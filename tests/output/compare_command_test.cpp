@@ -122,5 +122,19 @@ TEST_F(CompareCommand, EndsWithBadInputOrUsage) {
   EXPECT_EQ(run({at("a.png"), at("b.png"), "--diff", at("no/d.png")}), 2);
 }
 
+// Standard output has the report, which bytes of a PNG would break.
+TEST_F(CompareCommand, WritesADifferencePictureToPngFilesOnly) {
+  for (const char* name : {"d.jpg", "d", "d.exr"}) {
+    EXPECT_EQ(run({at("a.png"), at("b.png"), "--diff", at(name)}), 2);
+    EXPECT_FALSE(std::filesystem::exists(at(name)));
+  }
+  for (const auto& more : {std::vector<std::string>{}, {"--json"}}) {
+    std::vector<std::string> arguments{at("a.png"), at("b.png"), "--diff", "-"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run(arguments), 2);
+    EXPECT_EQ(printed, "");
+  }
+}
+
 }  // namespace
 }  // namespace latelight::output
