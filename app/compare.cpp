@@ -155,9 +155,6 @@ void checkDifference(const Arguments& arguments) {
 }
 
 void run(const Arguments& arguments) {
-  // CLI::Range accepts NaN.
-  if (std::isnan(arguments.share) || std::isnan(arguments.flip) || std::isnan(arguments.pixelsPerDegree))
-    badUsage("--share, --flip and --ppd require numbers, not nan");
   const output::OutputOptions options = optionsOf(arguments);
   if (!arguments.difference.empty()) checkDifference(arguments);
   const output::ReadImage a = output::asOutput(output::readImage(arguments.first), arguments.first);
@@ -190,10 +187,10 @@ void addCompareCommand(CLI::App& app) {
   command
       ->add_option("--share", arguments->share,
                    "Alike if at most this share of each output's pixels is beyond; default 0")
-      ->type_name("S")
       ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--flip", arguments->flip, "Judge colors by their mean FLIP instead: alike if it is at most F")
-      ->type_name("F")
+  command
+      ->add_option("--flip", arguments->flip,
+                   "Judge colors by their mean FLIP instead: alike if it is at most this value")
       ->check(CLI::Range(0.0, 1.0));
   command
       ->add_option("--ppd", arguments->pixelsPerDegree,
