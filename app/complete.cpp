@@ -69,7 +69,9 @@ std::vector<ListedName> namesFor(const CLI::App& command, const CLI::Option& opt
   } else if (name == "--devices") {
     names = {{"auto", "a GPU if there is one"}, {"all", "all devices"}};
   } else if (name == "--debug") {
-    names = {{"sheet", "all of them"}, {"lights", "how many a pixel takes"}, {"targets", "of the layout"}};
+    names = {{"sheet", "all outputs except raw, samples and raster-*"},
+             {"lights", "lights tested and used per pixel"},
+             {"targets", "all targets of the layout"}};
     std::ranges::copy(listedNames("aovs"), std::back_inserter(names));
   } else if (const render::Option* entry = entryOf(option)) {
     for (const render::NamedOption& named : entry->names) names.push_back({named.name, named.description});
