@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -109,6 +110,28 @@ TEST(BatchCommand, FoldersWithoutADataSetAreReported) {
       EXPECT_EQ(outcome.err, std::string("latelight: '") + name + "' holds no data set\n") << command;
     }
   EXPECT_TRUE(fs::is_empty(folder.path() / "empty"));
+}
+
+// The line is that of the file, and nothing in the message is of the library that parses JSON.
+TEST(BatchCommand, DamagedManifestsNameTheLine) {
+  const Folder folder;
+  ASSERT_EQ(
+      latelight(batch(folder, {"--scenes", "builtin:boxes", "--repeat", "2", "-o", "set", "--shard", "0/2"})).code, 0);
+  const std::string log = "set/.latelight/shard-0-of-2.jsonl", text = folder.read(log);
+  ASSERT_EQ(std::ranges::count(text, '\n'), 2) << text;
+  const auto expectError = [&](const std::string& file, const std::string& contents, const char* reason) {
+    folder.write(file, contents);
+    const Outcome outcome = latelight({.arguments = {"batch", "status", "set"}, .folder = folder.path()});
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_THAT(outcome.err, HasSubstr(file + "' is not a manifest of a data set (" + reason));
+    EXPECT_THAT(outcome.err, testing::Not(HasSubstr("json.exception")));
+  };
+  expectError(log, text + "{\"frame\": \n", "line 3: parse error at column 11: ");
+  expectError(log, text + "\n", "line 3: parse error at column 1: ");
+  expectError(log, text + "{\"frame\": {}}\n" + text, "line 3: key 'index' not found");
+  expectError(log, text + "{\"stale\": 3}\n", "line 3: type must be array");
+  folder.write(log, text);
+  expectError("set/manifest.json", "{\n\"plan\": }\n", "parse error at line 2, column 9: ");
 }
 
 TEST(BatchCommand, StatusAndVerifyTreatEveryFolder) {
