@@ -35,9 +35,10 @@ struct BatchArguments {
   std::string job, shard, devices = "auto", memory;
   bool resume = false, dryRun = false, schema = false, validate = false;
   uint32_t workers = 1, threads = 0, slurm = 0;
-  Json given = Json::object();  // keys of the job that are given as options
-  render::Settings scratch;     // target for checking image options
-  std::string folder;           // for verify, merge and status
+  Json given = Json::object();       // keys of the job that are given as options
+  render::Settings scratch;          // target for checking image options
+  std::string folder;                // for status, verify and merge
+  std::vector<std::string> folders;  // `folder` and, for status and verify, the others
   bool allowMissing = false;
 };
 
@@ -200,30 +201,80 @@ void runBatch(const BatchArguments& a) {
 
 // --- actions on an existing set --------------------------------------------------------------------------------------
 
-void printStatus(const std::string& folder) {
-  const data::SetStatus status = data::readStatus(data::SetFolder(folder));
-  for (const auto& [name, why] : status.manifest.failed) fmt::print("{}: {}\n", printable(name), printable(why));
-  fmt::print("{} of {} frames are finished\n", status.manifest.frames.size(), status.frames);
-  if (status.missing() > 0) throw Exit{ExitCode::SomeFramesFailed};
+// Returns the beginning of a line about one of the folders, which a line about the only folder does not need.
+std::string nameBefore(const std::string& folder, const BatchArguments& a) {
+  return a.folders.size() > 1 ? printable(folder) + ": " : "";
 }
 
-void verify(const std::string& folder) {
-  const data::SetFolder set(folder);
-  const data::SetStatus status = data::readStatus(set);
-  const std::vector<std::string> wrong = data::verifySet(set, status);
-  for (const std::string& sentence : wrong) warn("{}", sentence);
-  if (!wrong.empty())
-    fail(ExitCode::BadInput,
-         "{} files of '{}' differ from what was written: remove them, and run the job with --resume", wrong.size(),
-         folder);
-  fmt::print("the files of {} frames are as they were written\n", status.manifest.frames.size());
+void printStatus(const BatchArguments& a) {
+  bool isComplete = true;
+  for (const std::string& folder : a.folders) {
+    const data::SetStatus status = data::readStatus(data::SetFolder(folder));
+    const std::string before = nameBefore(folder, a);
+    for (const auto& [name, why] : status.manifest.failed)
+      fmt::print("{}{}: {}\n", before, printable(name), printable(why));
+    fmt::print("{}{} of {} frames are finished\n", before, status.manifest.frames.size(), status.frames);
+    isComplete = isComplete && status.missing() == 0;
+  }
+  if (!isComplete) throw Exit{ExitCode::SomeFramesFailed};
+}
+
+// Checks every folder before it fails, so that one run lists all damaged files.
+void verify(const BatchArguments& a) {
+  size_t count = 0;
+  std::string damaged;
+  for (const std::string& folder : a.folders) {
+    const data::SetFolder set(folder);
+    const data::SetStatus status = data::readStatus(set);
+    const std::vector<std::string> wrong = data::verifySet(set, status);
+    for (const std::string& sentence : wrong) warn("{}{}", nameBefore(folder, a), sentence);
+    if (wrong.empty()) {
+      fmt::print("{}the files of {} frames are as they were written\n", nameBefore(folder, a),
+                 status.manifest.frames.size());
+    } else {
+      count += wrong.size();
+      damaged += fmt::format("{}'{}'", damaged.empty() ? "" : ", ", folder);
+    }
+  }
+  if (count > 0)
+    fail(ExitCode::BadInput, "{} files of {} differ from what was written: remove them, and run the job with --resume",
+         count, damaged);
+}
+
+// Rejects a job and its options before the subcommand, because `batch` does not run then.
+void refuseJob(const CLI::App& batch, const std::string& command) {
+  for (const CLI::Option* option : batch.get_options())
+    if (option->count() > 0)
+      badUsage("batch {} accepts no job and no options of a job: omit {}", command,
+               option->get_positional() ? option->results().front() : option->get_name());
+}
+
+// Returns the words after FOLDER. Throws the usual error if one of them is an option.
+std::vector<std::string> moreFolders(const CLI::App& command) {
+  std::vector<std::string> folders;
+  for (const std::string& word : command.remaining())
+    if (word == "--")
+      continue;
+    else if (word.starts_with('-'))
+      throw CLI::ExtrasError({word});
+    else
+      folders.push_back(word);
+  return folders;
 }
 
 CLI::App* addFolderCommand(CLI::App& batch, const std::shared_ptr<BatchArguments>& a, const char* name,
                            const char* help, const std::function<void(const BatchArguments&)>& run) {
   CLI::App* command = batch.add_subcommand(name, help);
-  command->add_option("FOLDER", a->folder, "Folder of the data set")->required();
-  command->callback([a, run] { run(*a); });
+  // Otherwise CLI11 passes unknown arguments to `batch`, which reads them as a job and its options.
+  command->fallthrough(false);
+  addQuietFlag(*command);
+  command->add_option("FOLDER", a->folder, "Folder of the data set; status and verify accept several")->required();
+  command->callback([a, run, &batch, command] {
+    refuseJob(batch, command->get_name());
+    a->folders = moreFolders(*command);
+    a->folders.insert(a->folders.begin(), a->folder);
+    run(*a);
+  });
   return command;
 }
 
@@ -267,10 +318,10 @@ void addBatchCommand(CLI::App& app) {
   batch->callback([batch, arguments] {
     if (batch->get_subcommands().empty()) runBatch(*arguments);
   });
-  addFolderCommand(*batch, arguments, "status", "Print the number of finished frames and the failed ones",
-                   [](const BatchArguments& a) { printStatus(a.folder); });
-  addFolderCommand(*batch, arguments, "verify", "Check that all files are unmodified",
-                   [](const BatchArguments& a) { verify(a.folder); });
+  // The further folders are extra words, because CLI11 splits the value "[a,b]" of a list.
+  addFolderCommand(*batch, arguments, "status", "Print the number of finished frames and the failed ones", printStatus)
+      ->allow_extras();
+  addFolderCommand(*batch, arguments, "verify", "Check that all files are unmodified", verify)->allow_extras();
   CLI::App* merge =
       addFolderCommand(*batch, arguments, "merge", "Merge the shards' manifests and write the files of the whole set",
                        [](const BatchArguments& a) { data::mergeSet(data::SetFolder(a.folder), a.allowMissing); });

@@ -25,6 +25,9 @@ void addViewCommand(CLI::App& app);
 void addCompletionsCommand(CLI::App& app);
 void addManCommand(CLI::App& app);
 
+// Adds -q, which all commands accept, to the program or to a command that does not pass unknown options to it.
+void addQuietFlag(CLI::App& command);
+
 // Returns the names of the shells for which `latelight completions` prints scripts.
 std::vector<std::string_view> completionShells();
 

@@ -143,16 +143,20 @@ void print(const std::vector<OutputDifference>& differences, const Arguments& ar
   for (const OutputDifference& d : differences) printText(d, width);
 }
 
+// Checks the file of --diff before any work. Standard output receives the report.
+void checkDifference(const Arguments& arguments) {
+  if (arguments.difference == "-")
+    badUsage("--diff - and the report both write to standard output; give --diff a name that ends in .png");
+  if (output::formatOf(arguments.difference) != output::Format::Png)
+    badUsage("--diff writes PNG; give it a name that ends in .png");
+  const std::filesystem::path inputs[] = {arguments.first, arguments.second}, outputs[] = {arguments.difference};
+  output::UsedFiles(inputs).checkOutputs(outputs);
+  checkWritable(arguments.difference);
+}
+
 void run(const Arguments& arguments) {
-  // CLI::Range accepts NaN.
-  if (std::isnan(arguments.share) || std::isnan(arguments.flip) || std::isnan(arguments.pixelsPerDegree))
-    badUsage("--share, --flip and --ppd require numbers, not nan");
   const output::OutputOptions options = optionsOf(arguments);
-  if (!arguments.difference.empty()) {
-    const std::filesystem::path inputs[] = {arguments.first, arguments.second}, outputs[] = {arguments.difference};
-    output::UsedFiles(inputs).checkOutputs(outputs);
-    checkWritable(arguments.difference);
-  }
+  if (!arguments.difference.empty()) checkDifference(arguments);
   const output::ReadImage a = output::asOutput(output::readImage(arguments.first), arguments.first);
   const output::ReadImage b = output::asOutput(output::readImage(arguments.second), arguments.second);
   const std::vector<OutputDifference> differences = output::compareOutputs(a, b, options);
@@ -183,10 +187,10 @@ void addCompareCommand(CLI::App& app) {
   command
       ->add_option("--share", arguments->share,
                    "Alike if at most this share of each output's pixels is beyond; default 0")
-      ->type_name("S")
       ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--flip", arguments->flip, "Judge colors by their mean FLIP instead: alike if it is at most F")
-      ->type_name("F")
+  command
+      ->add_option("--flip", arguments->flip,
+                   "Judge colors by their mean FLIP instead: alike if it is at most this value")
       ->check(CLI::Range(0.0, 1.0));
   command
       ->add_option("--ppd", arguments->pixelsPerDegree,
@@ -199,7 +203,7 @@ void addCompareCommand(CLI::App& app) {
   command
       ->add_option(
           "--diff", arguments->difference,
-          "Write a picture of the worst output of each pixel: grey within the tolerance, yellow to red beyond it (PNG)")
+          "Write a PNG file of the worst output of each pixel: gray within the tolerance, yellow to red beyond it")
       ->type_name("FILE");
   command->add_flag("--json", arguments->json, "Print JSON");
   command->callback([arguments] { run(*arguments); });

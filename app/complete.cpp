@@ -69,7 +69,9 @@ std::vector<ListedName> namesFor(const CLI::App& command, const CLI::Option& opt
   } else if (name == "--devices") {
     names = {{"auto", "a GPU if there is one"}, {"all", "all devices"}};
   } else if (name == "--debug") {
-    names = {{"sheet", "all of them"}, {"lights", "how many a pixel takes"}, {"targets", "of the layout"}};
+    names = {{"sheet", "all outputs except raw, samples and raster-*"},
+             {"lights", "lights tested and used per pixel"},
+             {"targets", "all targets of the layout"}};
     std::ranges::copy(listedNames("aovs"), std::back_inserter(names));
   } else if (const render::Option* entry = entryOf(option)) {
     for (const render::NamedOption& named : entry->names) names.push_back({named.name, named.description});
@@ -103,11 +105,20 @@ bool addJoinedValues(Completions& all, const CLI::App& command, const std::strin
   return true;
 }
 
+// Offers the options that the command accepts: its own, except hidden ones, and those that it passes to the program.
 void addOptions(Completions& all, const CLI::App& command, const std::string& begun) {
-  for (const CLI::App* from = &command; from; from = from->get_parent())
+  std::vector<const CLI::App*> sources{&command};
+  const CLI::App* program = &command;
+  while (program->get_parent()) program = program->get_parent();
+  if (command.get_fallthrough()) sources.push_back(program);
+  for (const CLI::App* from : sources)
     for (const CLI::Option* option : from->get_options())
-      for (const std::string& name : option->get_lnames())
-        if (("--" + name).starts_with(begun)) all.words.push_back({"--" + name, option->get_description()});
+      for (const std::string& name : option->get_lnames()) {
+        const std::string word = "--" + name;
+        const bool isListed = std::ranges::find(all.words, word, &Completion::word) != all.words.end();
+        if (!option->get_group().empty() && !isListed && word.starts_with(begun))
+          all.words.push_back({word, option->get_description()});
+      }
 }
 
 }  // namespace
@@ -128,6 +139,7 @@ Completions complete(const CLI::App& cli, std::span<const std::string> words) {
         all.words.push_back({command->get_name(), command->get_description()});
     const auto options = cursor.command->get_options([](const CLI::Option* o) { return o->get_positional(); });
     if (cursor.positionals < options.size()) addValues(all, *cursor.command, *options[cursor.positionals], begun);
+    if (cursor.command->get_allow_extras()) all.files = true;  // further folders
   }
   return all;
 }

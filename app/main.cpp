@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -22,6 +23,18 @@
 #include "base/fatal_signals.h"
 #include "base/log.h"
 #include "base/temporary_file.h"
+#include "base/text.h"
+
+namespace latelight::app {
+
+void addQuietFlag(CLI::App& command) {
+  command
+      .add_flag_callback(
+          "-q,--quiet", [] { setQuiet(true); }, "Suppress warnings and progress")
+      ->trigger_on_parse();
+}
+
+}  // namespace latelight::app
 
 namespace {
 
@@ -157,15 +170,32 @@ void rejectEmptyValues(CLI::App& cli) {
       option->check(check);
 }
 
+// Makes every number that CLI11 converts a finite decimal one, as in the table of options. CLI11 itself reads 010 as 8,
+// and accepts 0x10, " 10", inf and nan.
+void acceptOnlyDecimals(CLI::App& cli) {
+  for (CLI::Option* option : allOptions(cli)) {
+    const std::string type = option->get_type_name(), number = type.substr(0, type.find(':'));
+    const bool isWhole = number == "UINT" || number == "INT";
+    if (!isWhole && number != "FLOAT") continue;
+    option->transform(CLI::Validator(
+        [option, isWhole](std::string& text) {
+          const std::optional<int64_t> whole = parseNumber<int64_t>(text);
+          if (isWhole ? !whole : !parseNumber<double>(text))
+            throw CLI::ConversionError(option->get_name(), std::vector<std::string>{text});
+          if (isWhole) text = std::to_string(*whole);
+          return std::string();
+        },
+        ""));
+  }
+}
+
 int parseAndRun(int argc, char** argv) {
   CLI::App cli{"Latelight: a deferred renderer that needs no display, no graphics pipeline and no particular GPU."};
   cli.name("latelight");
   cli.set_version_flag("--version", std::string("latelight ") + version());
   cli.require_subcommand(0, 1);  // a better message than "a subcommand is required" follows below
   cli.get_formatter()->column_width(34);
-  cli.add_flag_callback(
-         "-q,--quiet", [] { setQuiet(true); }, "Suppress warnings and progress")
-      ->trigger_on_parse();
+  app::addQuietFlag(cli);
   cli.fallthrough();
   app::addRenderCommand(cli);
   app::addBatchCommand(cli);
@@ -187,6 +217,7 @@ int parseAndRun(int argc, char** argv) {
   }
   keepValuesWhole(cli);
   rejectEmptyValues(cli);
+  acceptOnlyDecimals(cli);
   checkDashes(cli, argc, argv);
   try {
     cli.parse(argc, argv);

@@ -27,6 +27,17 @@ glm::dvec3 pivotOf(const scene::Scene& scene, const RenderOptions& o) {
   return bounds.empty() ? glm::dvec3(0) : bounds.centre();
 }
 
+// Throws if the frames of a sequence would all be written to one file, or to standard output. `ending` is the example's
+// extension for a pattern that has none.
+void checkFramePattern(const char* option, const std::string& pattern, const char* ending) {
+  if (pattern.empty() || pattern.find("{frame}") != std::string::npos) return;
+  const std::string own = std::filesystem::path(pattern).extension().string();
+  badUsage(
+      "--frames requires {{frame}} in {0}, such as {0} out/{{frame}}{1}; otherwise each frame would replace the "
+      "previous one",
+      option, own.empty() ? ending : own);
+}
+
 }  // namespace
 
 void checkTime(const RenderOptions& o) {
@@ -40,14 +51,10 @@ void checkTime(const RenderOptions& o) {
   const auto [first, last] = parseFrames(o.frames);
   if (last - first >= kMaxFrames) badUsage("--frames takes at most {} frames, not \"{}\"", kMaxFrames, o.frames);
   if (o.isExplicit("frame")) badUsage("--frame and --frames both set {{frame}}; use one of them");
-  const std::pair<const char*, const std::string&> patterns[] = {
-      {"-o", o.out}, {"--labels", o.labels}, {"--correspond", o.correspond}};
-  for (const auto& [option, pattern] : patterns)
-    if (!pattern.empty() && pattern.find("{frame}") == std::string::npos && first != last)
-      badUsage(
-          "--frames requires {{frame}} in {0}, such as {0} out/{{frame}}{1}; otherwise each frame would replace the "
-          "previous one",
-          option, std::filesystem::path(pattern).extension().string());
+  if (first == last) return;
+  checkFramePattern("-o", o.out, ".png");
+  checkFramePattern("--labels", o.labels, ".json");
+  checkFramePattern("--correspond", o.correspond, ".npz");
 }
 
 Timeline::Timeline(const scene::Scene& scene, const RenderOptions& o)

@@ -9,6 +9,7 @@
 #include "app/commands.h"
 #include "app/explicit_options.h"
 #include "app/parse.h"
+#include "app/render_options.h"
 #include "base/files.h"
 #include "base/text.h"
 #include "output/png.h"
@@ -30,7 +31,7 @@ struct Arguments {
   std::string name, folder, page, bits, lights, triangles, sizes;
   study::Options options;
   bool json = false;
-  const CLI::App* command = nullptr;
+  CLI::App* command = nullptr;
 };
 
 void parseSweep(const Arguments& a, study::SweepOptions& sweep) {
@@ -64,7 +65,7 @@ std::vector<uint32_t> parseBits(const std::string& text) {
 
 nlohmann::ordered_json toJson(const Arguments& a, const study::Result& result) {
   nlohmann::ordered_json json{{"study", a.name}, {"version", version()}, {"device", result.device}};
-  if (study::findStudy(a.name).samples)
+  if (study::findStudy(a.name).uses("samples"))
     json["samples"] = a.options.samples;
   else
     json["budget"] = a.options.sweep.budget;
@@ -158,8 +159,16 @@ void checkPage(const Arguments& a, output::UsedFiles& used) {
   used.checkOutputs(outputs);
 }
 
+void rejectOtherOptions(const Arguments& a, const study::Study& chosen) {
+  for (const study::Study& other : study::studies())
+    for (const std::string_view option : other.options)
+      if (!chosen.uses(option) && optionOf(*a.command, option).count() > 0)
+        badUsage("the study {} does not use --{}: omit it", chosen.name, option);
+}
+
 void run(Arguments& a) {
   const study::Study& chosen = study::findStudy(a.name);
+  rejectOtherOptions(a, chosen);
   if (a.options.samples < kMinSamples || a.options.samples > kMaxSamples)
     badUsage("--samples must be from {} to {}, not {}", kMinSamples, kMaxSamples, a.options.samples);
   if (!a.bits.empty()) a.options.bits = parseBits(a.bits);

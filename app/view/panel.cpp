@@ -60,7 +60,7 @@ void drawOutputs(const view::State& state, Side side, const Send& send) {
   offer("picture", "The rendered image");
   for (const output::AovInfo& aov : output::aovs()) offer(std::string(aov.name), aov.description);
   offer("lights", "Lights tested and used, side by side");
-  offer("sheet", "All outputs");
+  offer("sheet", "All outputs except raw, samples and raster-*");
   offer("targets", "All targets of the layout");
   for (const std::string& target : state.targets) offer("target:" + target, "A target of the layout");
   ImGui::EndCombo();

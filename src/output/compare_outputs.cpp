@@ -149,6 +149,12 @@ struct Pixels {
   }
 };
 
+void setWorst(size_t pixel, uint32_t width, OutputDifference& result) {
+  result.worstX = static_cast<uint32_t>(pixel % width);
+  result.worstY = static_cast<uint32_t>(pixel / width);
+}
+
+// The worst pixel is that of the maximum, or, if no pixel has an error that can be measured, the first unlike one.
 void measurePixels(const Pixels& channels, uint32_t width, OutputDifference& result) {
   double sum = 0;
   uint64_t count = 0;
@@ -158,15 +164,14 @@ void measurePixels(const Pixels& channels, uint32_t width, OutputDifference& res
     result.excesses[i] = error == 0 ? 0 : result.tolerance > 0 ? error / result.tolerance : kOneFileOnly;
     result.beyond += error > result.tolerance;
     if (error == kOneFileOnly) {
-      ++result.unlike;
+      if (result.unlike++ == 0 && result.maximum == 0) setWorst(i, width, result);
       continue;
     }
     sum += error;
     ++count;
     if (error <= result.maximum) continue;
     result.maximum = error;
-    result.worstX = static_cast<uint32_t>(i % width);
-    result.worstY = static_cast<uint32_t>(i / width);
+    setWorst(i, width, result);
   }
   result.mean = count ? sum / static_cast<double>(count) : 0;
 }
@@ -223,6 +228,9 @@ OutputDifference measure(const ReadImage& a, const ReadImage& b, const Group& gr
   result.pixels = uint64_t{a.width} * a.height;
   std::optional<double> tolerance = group.measure == Measure::Identity ? std::nullopt : options.tolerance;
   if (const auto own = options.tolerances.find(group.name); own != options.tolerances.end()) tolerance = own->second;
+  if (group.measure == Measure::Identity && tolerance.value_or(0) > 0)
+    badUsage("--tolerance does not apply to \"{0}\", whose values are equal or not: omit {0}={1}", group.name,
+             *tolerance);
   result.tolerance = tolerance.value_or(defaultTolerance(group.measure));
   if (group.measure == Measure::Color || group.measure == Measure::Difference) {
     measureChannels(a, b, tolerance, result);

@@ -34,12 +34,12 @@ struct OutputDifference {
 
   // Over the pixels that both files have, in units of the measure.
   double maximum = 0, mean = 0;
-  uint32_t worstX = 0, worstY = 0;
-  std::string worstChannel;   // Color and Difference only
-  uint64_t pixels = 0;        // pixels of the image
-  uint64_t beyond = 0;        // pixels above the tolerance, and pixels that only one file has
-  uint64_t unlike = 0;        // infinite, NaN or background in one file only
-  double psnr = 0, flip = 0;  // Color only; decibels, and the mean from 0 to 1
+  uint32_t worstX = 0, worstY = 0;  // the pixel of `maximum`; if that is 0, the first unlike one
+  std::string worstChannel;         // Color and Difference only
+  uint64_t pixels = 0;              // pixels of the image
+  uint64_t beyond = 0;              // pixels above the tolerance, and pixels that only one file has
+  uint64_t unlike = 0;              // infinite, NaN or background in one file only
+  double psnr = 0, flip = 0;        // Color only; decibels, and the mean from 0 to 1
   double share() const { return pixels ? static_cast<double>(beyond) / static_cast<double>(pixels) : 0; }
 
   std::vector<double> excesses;  // by pixel, in units of the tolerance
@@ -57,7 +57,7 @@ struct OutputOptions {
 ReadImage asOutput(const ReadImage& image, const std::filesystem::path& path);
 
 // Returns the differences in the order of the table of outputs. Throws Error(BadInput) if sizes or channels differ.
-// Throws Error(Usage) for a channel that neither image has, and for a tolerance of an output that is absent.
+// Throws Error(Usage) for a channel that neither image has, and for a tolerance of an output that is absent or of ids.
 std::vector<OutputDifference> compareOutputs(const ReadImage& a, const ReadImage& b, const OutputOptions& options = {});
 
 }  // namespace latelight::output

@@ -6,6 +6,7 @@ namespace latelight::output {
 
 namespace {
 
+// Returns the outputs of the sheet, which the help of --debug describes.
 std::vector<Aov> aovsOfSheet(bool moving) {
   std::vector<Aov> all;
   for (const AovInfo& aov : aovs()) {

@@ -17,8 +17,8 @@ struct DebugRequest {
   std::string target{};  // only this target; empty: all
 };
 
-// Parses "sheet" (all AOVs), "lights", comma-separated AOV names, "targets" or "target:NAME". `moving` tells if there
-// is motion to show on the sheet. Throws Error(Usage).
+// Parses "sheet" (all AOVs except raw, samples, raster-* and, unless `moving`, motion), "lights", comma-separated AOV
+// names, "targets" or "target:NAME". Throws Error(Usage).
 DebugRequest parseDebug(std::string_view text, bool moving);
 
 // The value of {aov} in the file name of the debug image.

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <utility>
 
+#include "base/error.h"
 #include "serve/token.h"
 
 namespace latelight::serve {
@@ -30,6 +31,12 @@ std::string nameOf(std::string_view host) {
   return isPort && (!bracketed || isAddress(name)) ? name : "";
 }
 
+// True for names that a browser can send, in lower case: domain names (RFC 952, RFC 1123), and the underscores that
+// some local names have. Browsers send other letters in ASCII (RFC 5891).
+bool isHostName(const std::string& name) {
+  return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_.") == name.npos;
+}
+
 // Returns the path of a request's target. Returns "" for the absolute form (RFC 9112, 3.2.2), "http://HOST/PATH", if
 // its authority is not that of the field Host, as clients must send it.
 std::string_view pathOf(std::string_view target, std::string_view host) {
@@ -42,7 +49,11 @@ std::string_view pathOf(std::string_view target, std::string_view host) {
 }  // namespace
 
 AccessCheck::AccessCheck(std::string token, std::vector<std::string> names)
-    : token_(std::move(token)), names_(std::move(names)) {}
+    : token_(std::move(token)), names_(std::move(names)) {
+  for (const std::string& name : names_)
+    if (!isHostName(name) && !isAddress(name))
+      badUsage("--host-name requires a name without a port, such as render.example.org, not \"{}\"", name);
+}
 
 // Protects against DNS rebinding: a site that rebinds its name to this machine still uses that name as the host. An
 // address cannot be rebound.

@@ -18,7 +18,8 @@ struct RequestHeader {
 
 class AccessCheck {
  public:
-  // `names`: the names of this machine that browsers use, in addition to "localhost" and addresses.
+  // `names`: the names of this machine that browsers use, in lower case, in addition to "localhost" and addresses.
+  // Throws Error(Usage) for a name that no browser can send.
   AccessCheck(std::string token, std::vector<std::string> names);
 
   struct Answer {

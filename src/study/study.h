@@ -2,6 +2,7 @@
 // tables and images in its own source file. study.cpp lists them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -24,7 +25,7 @@ struct SweepOptions {
 };
 
 struct Options {
-  std::string device = "auto";   // directions; depths use a quarter of it, light a thousandth per pixel
+  std::string device = "auto";
   bool validation = false;       // any message of the Vulkan validation layers is an error
   uint32_t samples = 4'000'000;  // directions; a quarter as many depths; for light a thousandth per pixel
   std::vector<uint32_t> bits;    // per channel, 8 to 16, 0 for floats; empty: the study's own choice
@@ -50,7 +51,11 @@ struct Study {
   const char* name;
   const char* description;
   Result (*run)(const Options& options);
-  bool samples = true;  // uses Options::samples; otherwise Options::sweep
+  // Names of the options of `latelight study` that set the Options it uses, such as "samples". All studies use the
+  // device, validation and pictures.
+  std::vector<std::string_view> options;
+
+  bool uses(std::string_view option) const { return std::ranges::find(options, option) != options.end(); }
 };
 
 std::span<const Study> studies();

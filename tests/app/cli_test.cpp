@@ -111,6 +111,15 @@ TEST(List, TextAndJsonNameTheSame) {
   }
 }
 
+// Conversions of C would read 010 as the octal number 8, and reject 09.
+TEST(CommandLine, LeadingZerosChangeNoNumber) {
+  const json layouts = json::parse(succeed({"list", "layouts", "--samples", "010", "--json"}).out)["layouts"];
+  EXPECT_EQ(layouts[0]["samples"], 10);
+  const Outcome threads =
+      latelight({"batch", "--scenes", "builtin:boxes", "-o", "set", "--threads", "09", "--dry-run"});
+  EXPECT_EQ(threads.code, 0) << threads.err;
+}
+
 // The option's error message lists the same names as `list`.
 TEST(List, AgreesWithWhatErrorsOffer) {
   const json all = listAll();

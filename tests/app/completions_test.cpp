@@ -1,6 +1,7 @@
 // Completions in real shells, and the manual page.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -15,6 +16,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsSupersetOf;
 using testing::StartsWith;
+using testing::UnorderedElementsAre;
 
 std::vector<std::string> linesOf(const std::string& text) {
   std::vector<std::string> lines;
@@ -56,6 +58,32 @@ TEST(Completions, OfCommandsOptionsAndNames) {
   EXPECT_THAT(completed({"render", "--out=a"}), ElementsAre(":files"));
   EXPECT_THAT(completed({"render", "--json="}), ElementsAre()) << "a flag accepts no value";
   EXPECT_THAT(completed({"nonsense", "--nothing", "x"}), ElementsAre());
+}
+
+// An option that is offered must be one that the command accepts, and thus one that its help lists, or the program's.
+TEST(Completions, OfOptionsThatTheCommandAccepts) {
+  const std::vector<std::vector<std::string>> commands{
+      {"render"},          {"view"},           {"report"}, {"serve"}, {"batch"},
+      {"batch", "verify"}, {"batch", "merge"}, {"list"},   {"study"}, {"export"},
+      {"bench", "raster"}, {"bench", "frame"}, {"compare"}};
+  for (std::vector<std::string> command : commands) {
+    command.emplace_back("--");
+    std::vector<std::string> offered = completed(command);
+    command.back() = "--help";
+    const std::string help = latelight(command).out;
+    std::ranges::sort(offered);
+    EXPECT_EQ(std::ranges::adjacent_find(offered), offered.end()) << command.front();
+    EXPECT_THAT(offered, IsSupersetOf({"--help", "--quiet"}));
+    for (const std::string& option : offered)
+      EXPECT_TRUE(option == "--quiet" || option == "--version" ||
+                  testing::Matches(testing::ContainsRegex("[ ,]" + option + "[ ,\n]"))(help))
+          << command.front() << " " << option;
+  }
+  EXPECT_THAT(completed({"view", "--labe"}), ElementsAre());
+  EXPECT_THAT(completed({"report", "--len"}), ElementsAre());
+  EXPECT_THAT(completed({"serve", "--pi"}), ElementsAre());
+  EXPECT_THAT(completed({"batch", "verify", "--"}), UnorderedElementsAre("--help", "--quiet"));
+  EXPECT_THAT(completed({"batch", "verify", "a", ""}), ElementsAre(":files"));
 }
 
 TEST(Completions, OfNoOtherShell) {

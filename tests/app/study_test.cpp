@@ -21,7 +21,8 @@ std::string text(const std::filesystem::path& path) {
 
 Outcome study(const Folder& folder, std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "study");
-  arguments.insert(arguments.end(), {"--device", "cpu", "--samples", "4000"});
+  arguments.insert(arguments.end(), {"--device", "cpu"});
+  if (arguments[1] != "lights") arguments.insert(arguments.end(), {"--samples", "4000"});
   return latelight({.arguments = std::move(arguments), .folder = folder.path()});
 }
 

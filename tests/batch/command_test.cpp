@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -109,6 +110,70 @@ TEST(BatchCommand, FoldersWithoutADataSetAreReported) {
       EXPECT_EQ(outcome.err, std::string("latelight: '") + name + "' holds no data set\n") << command;
     }
   EXPECT_TRUE(fs::is_empty(folder.path() / "empty"));
+}
+
+// The line is that of the file, and nothing in the message is of the library that parses JSON.
+TEST(BatchCommand, DamagedManifestsNameTheLine) {
+  const Folder folder;
+  ASSERT_EQ(
+      latelight(batch(folder, {"--scenes", "builtin:boxes", "--repeat", "2", "-o", "set", "--shard", "0/2"})).code, 0);
+  const std::string log = "set/.latelight/shard-0-of-2.jsonl", text = folder.read(log);
+  ASSERT_EQ(std::ranges::count(text, '\n'), 2) << text;
+  const auto expectError = [&](const std::string& file, const std::string& contents, const char* reason) {
+    folder.write(file, contents);
+    const Outcome outcome = latelight({.arguments = {"batch", "status", "set"}, .folder = folder.path()});
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_THAT(outcome.err, HasSubstr(file + "' is not a manifest of a data set (" + reason));
+    EXPECT_THAT(outcome.err, testing::Not(HasSubstr("json.exception")));
+  };
+  expectError(log, text + "{\"frame\": \n", "line 3: parse error at column 11: ");
+  expectError(log, text + "\n", "line 3: parse error at column 1: ");
+  expectError(log, text + "{\"frame\": {}}\n" + text, "line 3: key 'index' not found");
+  expectError(log, text + "{\"stale\": 3}\n", "line 3: type must be array");
+  folder.write(log, text);
+  expectError("set/manifest.json", "{\n\"plan\": }\n", "parse error at line 2, column 9: ");
+}
+
+TEST(BatchCommand, StatusAndVerifyTreatEveryFolder) {
+  const Folder folder;
+  for (const char* name : {"a", "b", "[a,b]"})
+    ASSERT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", name})).code, 0);
+  const auto run = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "batch");
+    return latelight({.arguments = arguments, .folder = folder.path()});
+  };
+  EXPECT_EQ(run({"verify", "a"}).out, "the files of 1 frames are as they were written\n");
+  EXPECT_EQ(run({"verify", "a", "b", "[a,b]", "-q"}).out,
+            "a: the files of 1 frames are as they were written\nb: the files of 1 frames are as they were written\n"
+            "[a,b]: the files of 1 frames are as they were written\n");
+  EXPECT_EQ(run({"status", "[a,b]", "b"}).out, "[a,b]: 1 of 1 frames are finished\nb: 1 of 1 frames are finished\n");
+  folder.write("b/000000.png", "damaged");
+  const Outcome damaged = run({"verify", "a", "b", "[a,b]"});
+  EXPECT_EQ(damaged.code, 3);
+  EXPECT_THAT(damaged.err, HasSubstr("1 files of 'b' differ from what was written"));
+  EXPECT_THAT(damaged.out, HasSubstr("[a,b]: the files of 1 frames")) << "folders after a damaged one are checked";
+  EXPECT_EQ(run({"verify", "a", "missing"}).code, 3);
+  EXPECT_EQ(run({"status", "a", "missing"}).code, 3);
+}
+
+TEST(BatchCommand, FoldersHaveNoJob) {
+  const Folder folder;
+  ASSERT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", "a"})).code, 0);
+  const std::vector<std::pair<std::vector<std::string>, const char*>> wrong{
+      {{"nope.yaml", "status", "a"}, "omit nope.yaml"},
+      {{"--resume", "verify", "a"}, "omit --resume"},
+      {{"verify", "a", "--resume", "--shard", "9/3"}, "--resume"},
+      {{"status", "a", "nonsense", "--size", "8x8"}, "--size"},
+      {{"merge", "a", "b"}, "b"},
+      {{"merge", "a", "--resume"}, "--resume"}};
+  for (const auto& [words, part] : wrong) {
+    std::vector<std::string> arguments{"batch"};
+    arguments.insert(arguments.end(), words.begin(), words.end());
+    const Outcome outcome = latelight({.arguments = arguments, .folder = folder.path()});
+    EXPECT_EQ(outcome.code, 2) << part;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_THAT(outcome.err, HasSubstr(part));
+  }
 }
 
 // The lines are those of the entries. Values of the command line have none.

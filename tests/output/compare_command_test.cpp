@@ -95,7 +95,9 @@ TEST_F(CompareCommand, MeasuresEachOutput) {
   EXPECT_EQ(outputs["id"]["measure"], "identity");
   EXPECT_EQ(outputs["id"]["share"], 0.5);
   EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "depth=0.01"}), 1) << "the ids differ";
-  EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "depth=0.01,id=1"}), 0);
+  EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "depth=0.01,id=1"}), 2) << "ids have no tolerance";
+  EXPECT_EQ(printed, "");
+  EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "depth=0.01,id=0"}), 1);
   EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "1", "--share", "0.5"}), 0);
   EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--channel", "Z", "--tolerance", "0.01"}), 0);
   EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "normal=1"}), 2) << "the files have none";
@@ -118,6 +120,20 @@ TEST_F(CompareCommand, EndsWithBadInputOrUsage) {
   EXPECT_EQ(run({at("a.png"), at("b.png"), "--tolerance", "-1"}), 2);
   EXPECT_EQ(run({at("a.png"), at("b.png"), "--share", "2"}), 2);
   EXPECT_EQ(run({at("a.png"), at("b.png"), "--diff", at("no/d.png")}), 2);
+}
+
+// Standard output has the report, which bytes of a PNG would break.
+TEST_F(CompareCommand, WritesADifferencePictureToPngFilesOnly) {
+  for (const char* name : {"d.jpg", "d", "d.exr"}) {
+    EXPECT_EQ(run({at("a.png"), at("b.png"), "--diff", at(name)}), 2);
+    EXPECT_FALSE(std::filesystem::exists(at(name)));
+  }
+  for (const auto& more : {std::vector<std::string>{}, {"--json"}}) {
+    std::vector<std::string> arguments{at("a.png"), at("b.png"), "--diff", "-"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run(arguments), 2);
+    EXPECT_EQ(printed, "");
+  }
 }
 
 }  // namespace

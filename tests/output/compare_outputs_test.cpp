@@ -60,6 +60,20 @@ TEST(CompareOutputs, DepthIsRelative) {
   EXPECT_EQ(only({{"Z", {100}}}, {{"Z", {100.011}}}).beyond, 1u);
 }
 
+// A surface in one file only has no error to compare with a maximum, but it is a difference.
+TEST(CompareOutputs, TheWorstPixelMayBeUnlike) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(only({{"Z", {1, 2, 3, 4}}}, {{"Z", {1, 2, kInf, kInf}}}).worstX, 2u);
+  EXPECT_EQ(only({{"Z", {1, 2, 3, nan}}}, {{"Z", {1, 2, 3, 4}}}).worstX, 3u);
+  EXPECT_EQ(only({{"Z", {1, kInf, 3, 4}}}, {{"Z", {1, 2, 3, 5}}}).worstX, 3u) << "the pixel of the maximum";
+  EXPECT_EQ(only({{"Z", {1, 2, 3, kInf}}}, {{"Z", {1, 2.5, 3, 4}}}).worstX, 1u) << "the pixel of the maximum";
+  // The background of normals is 0 0 0.
+  EXPECT_EQ(
+      only({{"N.X", {1, 1}}, {"N.Y", {0, 0}}, {"N.Z", {0, 0}}}, {{"N.X", {1, 0}}, {"N.Y", {0, 0}}, {"N.Z", {0, 0}}})
+          .worstX,
+      1u);
+}
+
 TEST(CompareOutputs, PositionsAreRelativeToTheirLength) {
   // Vectors of lengths 5 and 13; the length of the difference is 12.
   const OutputDifference d =
@@ -94,6 +108,12 @@ TEST(CompareOutputs, IdsAreEqualOrNot) {
   const OutputDifference d = only({{"id", {1, 2, 4294967295.0, 4}}}, {{"id", {1, 3, 4294967294.0, 4}}}, options);
   EXPECT_EQ(d.beyond, 2u);
   EXPECT_EQ(d.share(), 0.5);
+  options.tolerances["id"] = 1e9;
+  EXPECT_THAT(sentence(ExitCode::Usage,
+                       [&] {
+                         compareOutputs(image({{"id", {1}}}), image({{"id", {2}}}), options);
+                       }),
+              HasSubstr("equal or not"));
 }
 
 TEST(CompareOutputs, TolerancesAreByOutput) {

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "output/debug_request.h"
 #include "support.h"
 
 namespace latelight::output {
@@ -177,6 +178,19 @@ TEST(ContactSheet, ScalesInLinearLight) {
 TEST(ContactSheet, LaysTransparencyOverItsPaper) {
   const Picture sheet = contactSheet(std::vector<Labelled>{{"", plain(8, 8, {255, 255, 255, 0})}});
   EXPECT_EQ(count(sheet, pixel(sheet, 0, 0)), size_t{sheet.width} * sheet.height);
+}
+
+// The help of --debug names the outputs that the sheet omits.
+TEST(DebugRequest, SheetOmitsTheOutputsThatTheHelpNames) {
+  std::set<std::string_view> omitted, atRest;
+  const DebugRequest moving = parseDebug("sheet", true), still = parseDebug("sheet", false);
+  for (const AovInfo& aov : aovs()) {
+    if (!contains(moving.aovs, aov.aov) && !aov.name.starts_with("raster-")) omitted.insert(aov.name);
+    if (contains(moving.aovs, aov.aov) && !contains(still.aovs, aov.aov)) atRest.insert(aov.name);
+    EXPECT_FALSE(contains(moving.aovs, aov.aov) && aov.name.starts_with("raster-")) << aov.name;
+  }
+  EXPECT_EQ(omitted, (std::set<std::string_view>{"raw", "samples"}));
+  EXPECT_EQ(atRest, std::set<std::string_view>{"motion"});
 }
 
 TEST(ContactSheet, OfNothingIsAnError) {

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "base/error.h"
 #include "serve/log_limit.h"
 #include "serve/token.h"
 
@@ -15,6 +16,14 @@ const std::string kToken = "0123456789abcdef0123456789abcdef";
 
 std::string refusal(std::string_view target, std::string_view host, std::optional<std::string_view> origin = {}) {
   return AccessCheck(kToken, {"render.example.org"}).open({target, host, origin}).refusal;
+}
+
+// Such names could never equal that of a request.
+TEST(GateTest, NamesAreThoseOfHosts) {
+  for (const char* name : {"a b/c", "", "render:8765", "http://render", "[::1]", "Render", "r\xc3\xa9nder", "a/b"})
+    EXPECT_THROW(AccessCheck(kToken, {"render", name}), Error) << name;
+  for (const char* name : {"render", "render.example.org.", "xn--rnder-bsa", "gpu_7", "7", "10.0.0.7", "::1"})
+    EXPECT_EQ(AccessCheck(kToken, {name}).open({"/" + kToken + "/", name[0] == ':' ? "[::1]" : name, {}}).refusal, "");
 }
 
 TEST(GateTest, TokensAreRandom) {

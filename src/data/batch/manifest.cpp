@@ -82,9 +82,9 @@ FailedFrame failedFrame(const Json& json) {
   return {json.at("name").get<std::string>(), json.at("reason").get<std::string>()};
 }
 
-void badManifest(const std::filesystem::path& path, const std::exception& error) {
+void badManifest(const std::filesystem::path& path, const std::string& reason) {
   badInput("'{}' is not a manifest of a data set ({}): remove it, and render its frames again with --resume",
-           path.string(), error.what());
+           path.string(), reason);
 }
 
 Json describe(const FileRecord& file) {
@@ -114,7 +114,7 @@ Manifest readManifest(const std::filesystem::path& path) {
     for (const Json& failure : json.value("failed", Json::array())) manifest.failed.insert(failedFrame(failure));
     manifest.stale = json.value("stale", std::set<std::string>());
   } catch (const Json::exception& error) {
-    badManifest(path, error);
+    badManifest(path, reasonOf(error));
   }
   return manifest;
 }

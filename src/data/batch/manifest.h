@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <exception>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -56,7 +55,7 @@ struct Manifest {
 };
 
 // Throws Error(BadInput) that names the file.
-[[noreturn]] void badManifest(const std::filesystem::path& path, const std::exception& error);
+[[noreturn]] void badManifest(const std::filesystem::path& path, const std::string& reason);
 
 // Throws Error(BadInput) that names the file if it is not a manifest.
 Manifest readManifest(const std::filesystem::path& path);

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/parallel.h"
+#include "base/text.h"
 #include "data/json_text.h"
 
 namespace latelight::data {
@@ -23,6 +24,7 @@ namespace {
 struct Line {
   Json json;
   std::optional<FinishedFrame> frame;
+  std::string error;  // why it cannot be read
 };
 
 std::vector<std::string_view> wholeLines(std::string_view text) {
@@ -32,16 +34,30 @@ std::vector<std::string_view> wholeLines(std::string_view text) {
   return lines;
 }
 
+// Returns the library's reason. Its line is that of the text of one line, and always 1.
+std::string reasonInLine(const Json::exception& error) {
+  std::string reason = reasonOf(error);
+  replaceAll(reason, "at line 1, column", "at column");
+  return reason;
+}
+
+Line readLine(std::string_view text) {
+  Line line;
+  try {
+    line.json = Json::parse(text);
+    if (!line.json.contains("frame")) return line;
+    line.frame = finishedFrame(std::move(line.json["frame"]));
+    line.json = Json::object();
+  } catch (const Json::exception& error) {
+    line.error = reasonInLine(error);
+  }
+  return line;
+}
+
 std::vector<Line> readLines(const std::vector<std::string_view>& texts) {
   std::vector<Line> lines(texts.size());
   parallelFor(texts.size(), 16, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      Line& line = lines[i];
-      line.json = Json::parse(texts[i]);
-      if (!line.json.contains("frame")) continue;
-      line.frame = finishedFrame(std::move(line.json["frame"]));
-      line.json = Json::object();
-    }
+    for (size_t i = begin; i < end; ++i) lines[i] = readLine(texts[i]);
   });
   return lines;
 }
@@ -79,11 +95,15 @@ std::string textOf(const Manifest& manifest) {
 Manifest readShardLog(const fs::path& path) {
   const std::vector<std::byte> bytes = readFile(path);
   Manifest manifest;
-  try {
-    for (Line& line : readLines(wholeLines({reinterpret_cast<const char*>(bytes.data()), bytes.size()})))
-      take(std::move(line), manifest);
-  } catch (const Json::exception& error) {
-    badManifest(path, error);
+  std::vector<Line> lines = readLines(wholeLines({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+  for (size_t i = 0; i < lines.size(); ++i) {
+    std::string error = lines[i].error;
+    try {
+      if (error.empty()) take(std::move(lines[i]), manifest);
+    } catch (const Json::exception& wrong) {
+      error = reasonInLine(wrong);
+    }
+    if (!error.empty()) badManifest(path, fmt::format("line {}: {}", i + 1, error));
   }
   return manifest;
 }
