@@ -176,7 +176,7 @@ void bindCamera(nb::module_& module) {
           })
       .flag("orthographic", &Camera::orthographic, "without perspective; half_height says how much it shows")
       .number("vertical_fov", &Camera::verticalFov, "degrees, full angle")
-      .number("half_height", &Camera::halfHeight, "metres; of orthographic cameras")
+      .number("half_height", &Camera::halfHeight, "meters; of orthographic cameras")
       .field(
           "aspect", "float | None",
           "width / height of the camera's own frame, which pictures of any shape show whole; None: they keep the "
@@ -185,7 +185,7 @@ void bindCamera(nb::module_& module) {
           [](Camera& camera, nb::handle value, const char* name) {
             camera.aspect = value.is_none() ? std::nullopt : std::optional(floatOf(value, name));
           })
-      .number("near_clip", &Camera::nearClip, "metres; however near it is, depth keeps its precision")
+      .number("near_clip", &Camera::nearClip, "meters; however near it is, depth keeps its precision")
       .number("far_clip", &Camera::farClip, "meters; infinite")
       .number("principal_x", &Camera::principalX, "offset of the principal point to the right, in half widths")
       .number("principal_y", &Camera::principalY, "offset of the principal point upwards, in half heights")

@@ -144,17 +144,15 @@ std::map<std::string, DeviceArray> targetsOf(nb::handle value) {
 }
 
 void bindDeviceArray(nb::module_& module) {
-  nb::class_<PlacedArray> type(module, "DeviceArray",
-                               "An output in the memory of the renderer's device, (V, H, W) or (V, H, W, C); of one "
-                               "camera without V. Rows from the\n"
-                               "top.\n\n"
-                               "torch.from_dlpack(array), cupy.from_dlpack(array), jax.dlpack.from_dlpack(array) and "
-                               "numpy.asarray(array), on a\n"
-                               "CPU device, share its memory without a copy and keep it as long as they use it. It is "
-                               "finished when it is handed\n"
-                               "out, so that no stream has to wait. Once nobody has it the renderer uses its memory "
-                               "again, after what CUDA does\n"
-                               "on the device by then.");
+  nb::class_<PlacedArray> type(
+      module, "DeviceArray",
+      "An output in the memory of the renderer's device, (V, H, W) or (V, H, W, C); of one "
+      "camera without V. Rows from the top.\n\n"
+      "torch.from_dlpack(array), cupy.from_dlpack(array), jax.dlpack.from_dlpack(array) and, on "
+      "a CPU device,\nnumpy.asarray(array) share its memory without a copy and keep it as long "
+      "as they use it. It is complete when it is\nreturned, so no stream has to wait. After "
+      "its release, the renderer reuses its memory, after the work that CUDA has\nqueued on "
+      "the device by then.");
   type.def_prop_ro("shape", &shapeTuple, nb::sig("def shape(self) -> tuple[int, ...]"))
       .def_prop_ro(
           "dtype", [](const PlacedArray& a) { return infoOf(a.array.element).name; },

@@ -49,7 +49,7 @@ void bindMaterial(nb::module_& module) {
       .field(
           "alpha_mode", "str", "opaque, mask or blend",
           [](const Material& m) { return nb::str(kAlphaModes[static_cast<size_t>(m.alphaMode)]); }, setAlphaMode)
-      .number("alpha_cutoff", &Material::alphaCutoff, "with the alpha mode mask: what has less alpha is not there")
+      .number("alpha_cutoff", &Material::alphaCutoff, "with the alpha mode mask: points with less alpha are removed")
       .flag("double_sided", &Material::doubleSided, "its back shows too")
       .flag("unlit", &Material::unlit, "the base color is shown as it is")
       .number("normal_scale", &Material::normalScale, "of the normal map's slopes")
@@ -68,7 +68,7 @@ void bindMaterial(nb::module_& module) {
       .number("iridescence_ior", &Material::iridescenceIor, "index of refraction of the film, at least 1")
       .number("iridescence_thinnest", &Material::iridescenceThinnest, "nanometers, where the texture is 0")
       .number("iridescence_thickest", &Material::iridescenceThickest,
-              "nanometers, where the texture is 1, or where there is none")
+              "nanometers, where the texture is 1, or everywhere without one")
       .number("transmission", &Material::transmission, "KHR_materials_transmission: 0 (none) to 1")
       .number("thickness", &Material::thickness,
               "KHR_materials_volume: meters in object space; 0: the surface is thin-walled")
@@ -106,9 +106,9 @@ void bindLight(nb::module_& module) {
           })
       .number("inner_cone", &Light::innerCone, "half angle of spot lights, degrees")
       .number("outer_cone", &Light::outerCone, "half angle of spot lights, degrees")
-      .number("size", &Light::size, "radius, meters; of directional lights what they fill across, degrees")
+      .number("size", &Light::size, "radius, meters; of directional lights the angular diameter, degrees")
       .field(
-          "cast_shadow", "bool | None", "True: before all lights that don't say; False: never",
+          "cast_shadow", "bool | None", "True: before all lights with None; False: never",
           [](const Light& light) { return orNone(light.castShadow); },
           [](Light& light, nb::handle value, const char* name) {
             light.castShadow = value.is_none() ? std::nullopt : std::optional(boolOf(value, name));
@@ -165,12 +165,12 @@ void bindInfos(nb::module_& module) {
 }  // namespace
 
 void bindElements(nb::module_& module) {
-  bindHandle<Instance>(module, "InstanceHandle", "Names an instance of a scene; refused once that is removed.");
-  bindHandle<Material>(module, "MaterialHandle", "Names a material of a scene; refused once that is removed.");
-  bindHandle<Mesh>(module, "MeshHandle", "Names a mesh of a scene; refused once that is removed.");
-  bindHandle<Light>(module, "LightHandle", "Names a light of a scene; refused once that is removed.");
-  bindHandle<Skin>(module, "SkinHandle", "Names a skin that was added to a scene.");
-  bindHandle<Texture>(module, "TextureHandle", "Names a texture of a scene; refused once that is removed.");
+  bindHandle<Instance>(module, "InstanceHandle", "Identifies an instance of a scene; rejected after its removal.");
+  bindHandle<Material>(module, "MaterialHandle", "Identifies a material of a scene; rejected after its removal.");
+  bindHandle<Mesh>(module, "MeshHandle", "Identifies a mesh of a scene; rejected after its removal.");
+  bindHandle<Light>(module, "LightHandle", "Identifies a light of a scene; rejected after its removal.");
+  bindHandle<Skin>(module, "SkinHandle", "Identifies a skin that was added to a scene.");
+  bindHandle<Texture>(module, "TextureHandle", "Identifies a texture of a scene; rejected after its removal.");
   bindMaterial(module);
   bindLight(module);
   bindInfos(module);

@@ -741,7 +741,7 @@ constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 void defineRender(nb::class_<SharedRenderer>& type) {
   const std::string docs =
       "\n\ncameras: one, or a list, which is rendered together where memory allows\n"
-      "size: width and height in pixels\noutputs: what is wanted of:\n" +
+      "size: width and height in pixels\noutputs: any of:\n" +
       outputDocs() +
       "\non_device: leave them in the device's memory, for torch, CuPy and JAX (DeviceFrames)\nout: what an earlier "
       "call of this renderer with on_device returned, for the same outputs\nand sizes, one array per output: render "
@@ -775,8 +775,7 @@ void defineWorlds(nb::class_<SharedRenderer>& type) {
     return fmt::format(
         "def {}(self, count: int, cameras: Camera | {}, size: tuple[int, int] = (1280, 720), outputs: str | "
         "collections.abc.Sequence[str] = (\"rgba\",), *{}, on_device: {}, out: latelight.frames.DeviceWorldFrames | "
-        "None = None, "
-        "stream: typing.Any | None = None{}) -> {}",
+        "None = None, stream: typing.Any | None = None{}) -> {}",
         name, kMany, worldParameters(), onDevice, optionParameters({"environment_rotation", "environment_intensity"}),
         result);
   };
@@ -786,7 +785,7 @@ void defineWorlds(nb::class_<SharedRenderer>& type) {
       "whose work precedes the call (a number, or a stream of torch, CuPy or Warp); default: what\n"
       "each array's library reports";
   const std::string rendered =
-      "Images of N worlds: the scene in N states. What is not given is the scene's, in all worlds. Arrays have the "
+      "Images of N worlds: the scene in N states. All worlds share what no argument states. Arrays have the "
       "shape\n(N, C, H, W) or (N, C, H, W, channels)." +
       docs;
   const std::string submitted = "The same as render_worlds(), and returns while the device works." + docs;
@@ -848,10 +847,8 @@ void defineWorldRays(nb::class_<SharedRenderer>& type) {
       nb::arg("options"), nb::sig(now.c_str()),
       "Casts rays through N worlds, as cast() does through the scene. origins and directions are arrays (N, R, 3), in "
       "NumPy's\nor CUDA's memory, both of the same type; hits are arrays (N, R) or (N, R, 3), and (N, R, 2) for uv. "
-      "The "
-      "other arguments are\nthose of cast() and render_worlds(); cameras, lights and environments have no effect. A "
-      "ray "
-      "of a world with values that\nare not finite hits nothing.");
+      "The other arguments are\nthose of cast() and render_worlds(); cameras, lights and environments have no effect. "
+      "A ray of a world with values that\nare not finite hits nothing.");
   type.def("submit_cast_worlds", &submitCastWorlds, argument("count"), argument("origins"), argument("directions"),
            argument("max_distance") = kUnlimited, argument("outputs") = nb::none(), argument("out") = nb::none(),
            nb::arg("options"), nb::sig(later.c_str()),
@@ -925,16 +922,15 @@ void finishRenderers() {
 void bindRenderer(nb::module_& module) {
   bindPick(module);
   nb::class_<SharedTicket>(module, "Ticket", nb::is_weak_referenceable(),
-                           "Pictures on their way: what Renderer.submit() returns.")
+                           "Pictures in flight, as returned by Renderer.submit().")
       .def_prop_ro("done", &SharedTicket::done, "take() would not wait for the device")
       .def("take", &SharedTicket::take,
            nb::sig(
                "def take(self) -> latelight.frames.Frame | latelight.frames.Frames | latelight.frames.DeviceFrames | "
                "latelight.frames.WorldFrames"),
-           "Waits for the pictures and gives them, once: a Frame for a camera, Frames for a list, WorldFrames for "
-           "worlds. What went wrong on "
-           "the "
-           "way\nis raised here.");
+           "Waits for the pictures and returns them; a second call fails. A Frame for a camera, Frames for a list, "
+           "WorldFrames for "
+           "worlds. Errors of the work are\nraised here.");
   nb::class_<SharedCastTicket>(module, "CastTicket", nb::is_weak_referenceable(),
                                "Rays in flight, as returned by Renderer.submit_cast() and submit_cast_worlds().")
       .def_prop_ro("done", &SharedCastTicket::done, "take() would not wait for the device")
@@ -962,7 +958,7 @@ void bindRenderer(nb::module_& module) {
   type.def(
       "validation_messages",
       [](SharedRenderer& r) { return r.use([](Renderer& r) { return r.validationMessages(); }); },
-      "Of Vulkan's validation layers since the last call, which LATELIGHT_VALIDATION=1 in the environment turns on.");
+      "Messages of Vulkan's validation layers since the last call. LATELIGHT_VALIDATION=1 enables the layers.");
   type.def(
       "finish", [](SharedRenderer& r) { r.use([](Renderer& r) { r.finish(); }); },
       "Waits until the device has finished everything that was submitted.");
@@ -979,8 +975,7 @@ void bindRenderer(nb::module_& module) {
   defineRays(type);
   const std::string scanSignature =
       "def scan_lidar(renderer: Renderer, pattern: latelight.lidar.Pattern, poses: numpy.typing.ArrayLike, samples: "
-      "int, "
-      "returns: str, seed: int | None, slices: int, *" +
+      "int, returns: str, seed: int | None, slices: int, *" +
       optionParameters({"samples"}) + ") -> dict[str, numpy.typing.NDArray[typing.Any]]";
   module.def("scan_lidar", &scanLidar, argument("renderer"), argument("pattern"), argument("poses"),
              argument("samples"), argument("returns"), argument("seed"), argument("slices"), nb::arg("options"),

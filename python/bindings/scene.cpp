@@ -197,7 +197,7 @@ void defineWhole(Class& type) {
            "converts a .usd, .usda, .usdc, .usdz or .urdf file by from_usd() or from_urdf(); without a source it is "
            "empty.\n\nmaterial_variant: of KHR_materials_variants, by name\nallow_outside: "
            "folders that it may read "
-           "files from, beside its own and what lies below that\nid_depth, id_nodes: whole subtrees of nodes under one "
+           "files from, besides its own with its subfolders\nid_depth, id_nodes: whole subtrees of nodes under one "
            "id (docs/conventions.md)\nunit, up_axis: of OBJ, PLY and STL files: mm, cm, m, in or ft, and y or z\n"
            "point_radius: in meters, of the spheres that stand for the points of a PLY file\n\nRaises InputError for a "
            "file that is missing or broken.");
@@ -248,8 +248,7 @@ void defineWhole(Class& type) {
       },
       nb::sig("def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]] | None"),
       "Smallest and largest corner of the smallest box around the vertices of all visible instances at rest, meters, "
-      "in "
-      "the scene file's frame; None: it is empty.");
+      "in the scene file's frame; None: it is empty.");
 }
 
 void defineCameras(Class& type) {
@@ -266,9 +265,8 @@ void defineCameras(Class& type) {
       },
       argument("camera"), argument("node") = nb::none(),
       nb::sig("def add_camera(self, camera: Camera, node: str | None = None) -> None"),
-      "Adds it behind the scene's own.\n\nnode: path of the node that it follows, at the node's origin and along its "
-      "-Z "
-      "axis, in place of its own pose");
+      "Adds it after the scene's own.\n\nnode: path of the node that it follows, at the node's origin and along its "
+      "-Z axis, in place of its own pose");
   type.def(
       "cameras_at",
       [](const SharedScene& s, nb::handle time, nb::handle animation, nb::handle loop) {
@@ -485,8 +483,7 @@ void defineMaterialTextures(Class& type) {
       argument("material"), argument("slot"), argument("texture"), argument("wrap") = "repeat",
       argument("smooth") = true, argument("uv_set") = 0, nb::sig(signature.c_str()),
       "The texture that the material samples in that slot; None: none. Channels are glTF's: roughness is green, "
-      "metalness\nblue. "
-      "smooth: linear filters and mip levels; else the nearest texel. uv_set: 0 or 1.");
+      "metalness\nblue. smooth: linear filters and mip levels; else the nearest texel. uv_set: 0 or 1.");
   type.def(
       "texture_of",
       [](const SharedScene& s, nb::handle material, nb::handle slot) -> nb::object {
@@ -529,8 +526,7 @@ void defineLights(Class& type) {
       argument("values"), argument("node") = nb::none(),
       nb::sig("def add_light(self, values: Light, node: str | None = None) -> LightHandle"),
       "node: path of the node that it follows, at the node's origin and along its -Z axis, in place of its own "
-      "position "
-      "and direction");
+      "position and direction");
   type.def(
       "remove_light",
       [](SharedScene& s, nb::handle light) {
@@ -590,7 +586,7 @@ void defineMeshes(Class& type) {
       argument("mesh"), nb::sig("def mesh(self, mesh: MeshHandle) -> Mesh"), "Its name, size and bounds.");
   type.def("mesh_arrays", &meshArrays, argument("mesh"),
            nb::sig("def mesh_arrays(self, mesh: MeshHandle) -> dict[str, numpy.ndarray]"),
-           "Its arrays at rest, by the names that add_mesh() takes; those that it has, without skin and targets.");
+           "Its arrays at rest, by the names of add_mesh()'s arguments; those that it has, without skin and targets.");
   type.def(
       "add_mesh",
       [](SharedScene& s, nb::handle positions, nb::handle indices, nb::handle normals, nb::handle tangents,
@@ -637,7 +633,7 @@ EnvironmentData environmentOf(nb::handle value) {
 void bindScene(nb::module_& module) {
   Class type(module, "Scene", nb::is_weak_referenceable(),
              "What is rendered: a file, a built-in scene, or what a program adds. It may be edited between frames.\n\n"
-             "Lists are in the scene's order. An edit that can't be raises UsageError and changes nothing.");
+             "Lists are in the scene's order. An invalid edit raises UsageError and changes nothing.");
   defineWhole(type);
   defineCameras(type);
   defineInstances(type);

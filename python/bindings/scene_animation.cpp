@@ -157,8 +157,8 @@ void defineAnimation(nb::module_& module, nb::class_<SharedScene>& type) {
               "-> str"),
       "Adds a node that animations can move, and returns its path.\n\nparent: its path; empty: the node is a "
       "root\ntranslation, rotation (a quaternion x, y, z, w), scale: relative to the parent\nmatrix: (4, 4) in place "
-      "of "
-      "these three, which animations then cannot change\nparts: the meshes that the node shows, with their materials; "
+      "of these three, which animations then cannot change\nparts: the meshes that the node shows, with their "
+      "materials; "
       "a mesh with targets can be part of one node only\nweights: of the meshes' targets, at rest; empty: zeros");
   type.def(
       "set_node_transform",
