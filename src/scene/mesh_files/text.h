@@ -92,3 +92,9 @@ inline bool equalsIgnoringCase(std::string_view word, std::string_view lower) {
 }
 
 }  // namespace latelight::scene::mesh_files
+// Returns a file's name without the quotation marks that some writers put around it.
+inline std::string_view unquoted(std::string_view name) {
+  const bool isQuoted = name.size() > 2 && name.front() == '"' && name.back() == '"';
+  return isQuoted ? name.substr(1, name.size() - 2) : name;
+}
+
