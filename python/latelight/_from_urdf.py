@@ -16,7 +16,7 @@ from ._core import Scene
 from ._enclosure import Enclosure
 from ._from_trimesh import TrimeshBuilder, has_triangles
 from ._model_builder import FROM_Z_UP, missing, node_name, reading
-from .errors import UsageError
+from .errors import InputError, UsageError
 
 
 def _root_of(urdf: str | os.PathLike[str]) -> Path | None:
@@ -33,7 +33,7 @@ def _load_urdf(robot: Any, allow_outside: Sequence[str | os.PathLike[str]], geom
     except ImportError:
         raise missing("yourdfpy", "from_urdf") from None
     if not os.path.isfile(robot):
-        raise UsageError(f"{os.fspath(robot)} does not exist: give a .urdf file")
+        raise InputError(f"{os.fspath(robot)} does not exist: give a .urdf file")
     enclosure = Enclosure(robot, allow_outside, _root_of(robot))
     find = functools.partial(yourdfpy.urdf.filename_handler_magic, dir=os.path.dirname(os.path.abspath(robot)))
     load = functools.partial(
