@@ -1423,6 +1423,17 @@ def test_files_of_urdf_stay_in_its_folder(tmp_path):
         latelight.from_urdf(urdf, allow_outside=[tmp_path / "none"])
 
 
+# yourdfpy logs a warning of such a file and leaves out its geometry.
+@pytest.mark.parametrize("kind", ["visual", "collision"])
+def test_meshes_of_urdf_that_do_not_exist_are_reported(tmp_path, monkeypatch, kind):
+    pytest.importorskip("yourdfpy")
+    monkeypatch.chdir(tmp_path)  # to which yourdfpy resolves names that it does not find
+    shapes = [f'<{kind}><geometry>{shape}</geometry></{kind}>' for shape in ('<box size="1 1 1"/>', '<mesh filename="a/b.stl"/>')]
+    (tmp_path / "robot.urdf").write_text(f'<robot name="r"><link name="l">{"".join(shapes)}</link></robot>')
+    with pytest.raises(latelight.InputError, match="robot.urdf: its mesh a/b.stl does not exist"):
+        latelight.from_urdf(tmp_path / "robot.urdf", geometry=kind)
+
+
 @pytest.mark.parametrize("convert", [latelight.from_usd, latelight.usd_exposures, latelight.Scene])
 def test_missing_usd_files_are_reported(tmp_path, convert):
     with pytest.raises(latelight.InputError, match="missing.usda does not exist"):
