@@ -7,6 +7,7 @@
 #include <functional>
 #include <utility>
 
+#include "base/log.h"
 #include "gltf_builder.h"
 #include "gltf_compressed_files.h"
 #include "scene/edit.h"
@@ -359,9 +360,34 @@ TEST(AnimationPointer, RefusesWhatIsNotThere) {
   EXPECT_THAT(pointerError("/materials/1/alphaCutoff"), HasSubstr("there are 1"));
   EXPECT_THAT(pointerError("/cameras/2/perspective/yfov"), HasSubstr("there are 2"));
   EXPECT_THAT(pointerError("/extensions/KHR_lights_punctual/lights/1/intensity"), HasSubstr("there are 1"));
-  EXPECT_THAT(pointerError("/nodes/0/weights/0"), HasSubstr("there are 0"));
+  EXPECT_THAT(pointerError("/nodes/0/weights/first"), HasSubstr("weights/first"));
   EXPECT_THAT(pointerError("nodes"), HasSubstr("slash"));
   EXPECT_THAT(pointerError("/nodes/0/translation"), HasSubstr("wrong number"));  // the number of components
+}
+
+// Loads a file whose animation has one channel with the pointer, and expects it to be skipped with this warning.
+void expectSkipped(const std::string& pointer, const std::string& warning) {
+  GltfBuilder b = sceneFile();
+  animate(b, pointer, {.2f}, {.6f});
+  std::vector<std::string> warnings;
+  const WarningCapture capture(warnings);
+  const Scene scene = b.load();
+  EXPECT_THAT(warnings, testing::ElementsAre(HasSubstr(warning))) << pointer;
+  EXPECT_TRUE(scene.rig.animations.at(0).tracks.empty()) << pointer;
+  EXPECT_TRUE(scene.rig.animations.at(0).values.empty()) << pointer;
+}
+
+// Such channels are skipped as those with the path "weights" are.
+TEST(AnimationPointer, SkipsWeightsOfMeshesWithoutMorphTargets) {
+  for (const char* pointer :
+       {"/nodes/0/weights/0", "/nodes/0/weights", "/nodes/1/weights/0", "/meshes/0/weights/0", "/meshes/0/weights"})
+    expectSkipped(pointer, "whose mesh has no morph targets, and is left out");
+}
+
+TEST(AnimationPointer, SkipsPropertiesOfTheOtherProjection) {
+  for (const std::string pointer : {"/cameras/1/perspective/yfov", "/cameras/1/perspective/znear",
+                                    "/cameras/0/orthographic/ymag", "/cameras/0/orthographic/zfar"})
+    expectSkipped(pointer, "the file animates " + pointer + ", which is not supported and keeps its value");
 }
 
 // A property that the file does not have is ignored, and the file loads.
