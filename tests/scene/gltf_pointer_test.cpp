@@ -90,9 +90,6 @@ TEST(AnimationPointer, MovesScalarsOfMaterials) {
   // 0.3 of the factor (0.5, 0.25, 0.125).
   expectScalar("/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength",
                [](const At& at) { return at.material().emissive.y / .25f; });
-  // ((n - 1) / (n + 1))^2 = 49 / 169 at n = 0.3.
-  expectScalar("/materials/0/extensions/KHR_materials_ior/ior",
-               [](const At& at) { return at.material().f0 * 169 / 49 * .3f; });
 }
 
 // Properties of layers, too, all of which may have the value 0.3.
@@ -246,6 +243,19 @@ TEST(AnimationPointer, ColorsStayInTheirRange) {
   animate(b, "/materials/0/pbrMetallicRoughness/baseColorFactor", {2, -1, .5f, 1}, {2, -1, .5f, 1});
   const Scene scene = b.load();
   EXPECT_EQ(At(scene).material().baseColor, vec4(1, 0, .5f, 1));
+  GltfBuilder light = sceneFile();
+  animate(light, "/extensions/KHR_lights_punctual/lights/0/color", {2, -1, .5f}, {2, -1, .5f});
+  const Scene lit = light.load();
+  EXPECT_EQ(At(lit).light(0).color, vec3(1, 0, .5f));
+}
+
+TEST(AnimationPointer, IndicesOfRefractionAreZeroOrAtLeastOne) {
+  GltfBuilder b = sceneFile();
+  animate(b, "/materials/0/extensions/KHR_materials_ior/ior", {-1}, {3});
+  const Scene scene = b.load();
+  EXPECT_EQ(At(scene, 0.25).material().f0, 1);         // 0, which stands for a reflectance of 1
+  EXPECT_EQ(At(scene, 0.375).material().f0, 0);        // 0.5 becomes 1
+  EXPECT_FLOAT_EQ(At(scene, 1).material().f0, 0.25f);  // ((3 - 1) / (3 + 1))^2
 }
 
 // An edit of the emission replaces both of its factors in the file.
