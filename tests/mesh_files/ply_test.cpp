@@ -1,6 +1,7 @@
 // PLY files in the three encodings, with the names that programs give to their properties.
 #include <cmath>
 
+#include "base/log.h"
 #include "mesh_files/support.h"
 
 namespace latelight::scene::test {
@@ -103,6 +104,27 @@ TEST_P(Ply, PointsAreSpheresOfTheGivenRadius) {
     EXPECT_GT(glm::dot(normal, corners[i] - center), 0);
   }
   EXPECT_THAT(file.error(ExitCode::Usage, {.pointRadius = 0.0f}), HasSubstr("--point-radius"));
+}
+
+TEST(PointRadius, IsForFilesWithoutFaces) {
+  const std::string triangle =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string positions = "0 0 0\n1 0 0\n0 1 0\n";
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string stl = "solid a\nfacet normal 0 0 1\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n";
+  const auto warningsOf = [](const std::string& name, const std::string& text) {
+    std::vector<std::string> warnings;
+    const WarningCapture capture(warnings);
+    MeshFile(name, text).load({.pointRadius = 0.1f});
+    return warnings;
+  };
+  EXPECT_THAT(warningsOf("a.ply", triangle + "end_header\n" + positions), testing::IsEmpty());
+  const auto unused = testing::ElementsAre(HasSubstr("has faces, so --point-radius has no effect"));
+  EXPECT_THAT(warningsOf("a.ply", triangle + "element face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+                                      positions + "3 0 1 2\n"),
+              unused);
+  EXPECT_THAT(warningsOf("a.obj", obj), unused);
+  EXPECT_THAT(warningsOf("a.stl", stl), unused);
 }
 
 TEST_P(Ply, StripsAlternate) {

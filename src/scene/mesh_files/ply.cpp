@@ -341,6 +341,7 @@ class PlyReader {
     constexpr size_t kCorners = 12, kTriangles = 20;  // of an icosahedron
     if (count > kMaxVertices / (3 * kTriangles))
       badInput("it has {} points, too many to be spheres: thin them out", count);
+    source_.hasPoints = true;
     source_.claim(count * (kCorners * kVertexBytes + 3 * kTriangles * sizeof(uint32_t)));
     const float radius = float(double{*source_.options.pointRadius} / source_.frame.metersPerUnit);
     std::vector<Primitive> primitives(1);
