@@ -16,7 +16,7 @@ from ._core import Scene
 from ._enclosure import Enclosure
 from ._from_trimesh import TrimeshBuilder, has_triangles
 from ._model_builder import FROM_Z_UP, missing, node_name, reading
-from .errors import UsageError
+from .errors import InputError, UsageError
 
 
 def _root_of(urdf: str | os.PathLike[str]) -> Path | None:
@@ -33,12 +33,17 @@ def _load_urdf(robot: Any, allow_outside: Sequence[str | os.PathLike[str]], geom
     except ImportError:
         raise missing("yourdfpy", "from_urdf") from None
     if not os.path.isfile(robot):
-        raise UsageError(f"{os.fspath(robot)} does not exist: give a .urdf file")
+        raise InputError(f"{os.fspath(robot)} does not exist: give a .urdf file")
     enclosure = Enclosure(robot, allow_outside, _root_of(robot))
-    find = functools.partial(yourdfpy.urdf.filename_handler_magic, dir=os.path.dirname(os.path.abspath(robot)))
-    load = functools.partial(
-        yourdfpy.URDF.load, os.fspath(robot), filename_handler=lambda fname: enclosure.check(find(fname))
-    )
+    folder = os.path.dirname(os.path.abspath(robot))
+
+    def find_mesh(fname: str) -> str:  # yourdfpy leaves out meshes that do not exist
+        found = yourdfpy.urdf.filename_handler_magic(fname, folder)
+        if not os.path.exists(found):
+            raise InputError(f"{os.fspath(robot)}: its mesh {fname} does not exist: add the file, or correct its name")
+        return enclosure.check(found)
+
+    load = functools.partial(yourdfpy.URDF.load, os.fspath(robot), filename_handler=find_mesh)
     with reading(robot, "yourdfpy"):
         urdf = load()
         if geometry == "visual" and not _has_only_collisions(urdf):

@@ -72,7 +72,8 @@ constexpr Property<Data, Parts> kMaterialProperties[] = {
      [](Data data, Parts parts, const vec4& v) { parts.emissive = positive(v), setEmissive(data, parts); }},
     {"extensions/KHR_materials_emissive_strength/emissiveStrength", 1,
      [](Data data, Parts parts, const vec4& v) { parts.emissiveStrength = positive(v.x), setEmissive(data, parts); }},
-    {"extensions/KHR_materials_ior/ior", 1, [](Data data, Parts, const vec4& v) { data.f0 = f0OfIor(positive(v.x)); }},
+    {"extensions/KHR_materials_ior/ior", 1,
+     [](Data data, Parts, const vec4& v) { data.f0 = f0OfIor(v.x > 0 ? std::max(v.x, 1.0f) : 0); }},
     {"extensions/KHR_materials_specular/specularFactor", 1,
      [](Data data, Parts, const vec4& v) { data.specular = share(v.x); }},
     {"extensions/KHR_materials_specular/specularColorFactor", 3,
@@ -138,7 +139,7 @@ float coneAngle(float value) {
 }
 
 constexpr Property<Light&> kLightProperties[] = {
-    {"color", 3, [](Light& light, const vec4& v) { light.color = positive(v); }},
+    {"color", 3, [](Light& light, const vec4& v) { light.color = glm::clamp(vec3(v), 0.0f, 1.0f); }},
     {"intensity", 1, [](Light& light, const vec4& v) { light.intensity = positive(v.x); }},
     {"range", 1, [](Light& light, const vec4& v) { light.range = v.x > 0 ? std::optional(v.x) : std::nullopt; }},
     {"spot/innerConeAngle", 1, [](Light& light, const vec4& v) { light.innerCone = coneAngle(v.x); }},

@@ -293,6 +293,26 @@ TEST(Mtl, FilesOutsideAreRejected) {
   EXPECT_THAT(texture.error(), HasSubstr("outside the scene's folder"));
 }
 
+// The names of images start from the library's folder, as in Blender, and from the OBJ file's if there is no such file.
+TEST(Mtl, ImagesAreInTheLibrarysFolderFirst) {
+  MeshFile file("a.obj", "mtllib \"my materials/m.mtl\"\nvt 0 0\nvt 1 0\nvt 1 1\n" + std::string(kSquare) +
+                             "usemtl near\nf 1/1 2/2 3/3\nusemtl quoted\nf 1/1 2/2 4/3\nusemtl far\nf 1/1 3/2 4/3\n");
+  file.add("my materials/m.mtl",
+           "newmtl near\nmap_Kd wood.png\nnewmtl quoted\nmap_Kd \"red wood.png\"\nnewmtl far\nmap_Kd oak.png\n");
+  file.add("my materials/wood.png", png(1, 1, {{1, 2, 3, 255}})).add("wood.png", png(1, 1, {{9, 9, 9, 255}}));
+  file.add("my materials/red wood.png", png(1, 1, {{4, 5, 6, 255}})).add("oak.png", png(1, 1, {{7, 8, 9, 255}}));
+  const Scene scene = file.load();
+  ASSERT_EQ(scene.instances.size(), 3u);
+  ASSERT_EQ(scene.textures.size(), 3u);
+  const auto redOf = [&](size_t instance) {
+    const int texture = materialOf(scene, instance).slots[shared::kTextureBaseColor].texture;
+    return int(scene.textures.at(size_t(texture)).pixels[0]);
+  };
+  EXPECT_EQ(redOf(0), 1);
+  EXPECT_EQ(redOf(1), 4);
+  EXPECT_EQ(redOf(2), 7);
+}
+
 TEST(Mtl, MissingFilesAreLeftOut) {
   const Scene scene = withMtl("Kd 1 0 0\nmap_Kd C:\\images\\missing.png\n").load();
   EXPECT_EQ(vec3(materialOf(scene).data.baseColor), vec3(1, 0, 0));

@@ -1,6 +1,7 @@
 // PLY files in the three encodings, with the names that programs give to their properties.
 #include <cmath>
 
+#include "base/log.h"
 #include "mesh_files/support.h"
 
 namespace latelight::scene::test {
@@ -103,6 +104,59 @@ TEST_P(Ply, PointsAreSpheresOfTheGivenRadius) {
     EXPECT_GT(glm::dot(normal, corners[i] - center), 0);
   }
   EXPECT_THAT(file.error(ExitCode::Usage, {.pointRadius = 0.0f}), HasSubstr("--point-radius"));
+}
+
+// The format allows elements in any order. Quadrilaterals have no fixed number of bytes.
+TEST_P(Ply, FacesMayPrecedeVertices) {
+  const std::string header =
+      start() +
+      "element note 1\nproperty int number\nelement face 2\nproperty list uchar int vertex_indices\n"
+      "element vertex 4\n" +
+      kPosition + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
+  std::string text = header + values<int32_t>({7}) + values<uint8_t>({4}) + values<int32_t>({0, 1, 2, 3}) +
+                     values<uint8_t>({3}) + values<int32_t>({0, 2, 3});
+  for (const vec2& p : {vec2(0, 0), vec2(1, 0), vec2(1, 2), vec2(0, 2)})
+    text += values<float>({p.x, p.y}) + values<double>({5});
+  text += values<int32_t>({3, 0, 1, 2});
+  const Scene scene = MeshFile("a.ply", text).load();
+  EXPECT_EQ(scene.triangleCount(), 4u);
+  double area = 0;
+  const std::vector<dvec3> corners = cornersOf(scene);
+  for (size_t i = 0; i < corners.size(); i += 3) {
+    EXPECT_EQ(corners[i].z, 5);
+    area += glm::cross(corners[i + 1] - corners[i], corners[i + 2] - corners[i]).z / 2;
+  }
+  EXPECT_EQ(area, 2 + 1 + 1);  // the quadrilateral, half of it, and half of it
+}
+
+TEST_P(Ply, FacesOfTwoCornersAreReported) {
+  std::string text = start() + "element vertex 2\n" + kPosition +
+                     "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const float x : {0.f, 1.f}) text += values<float>({x, 0}) + values<double>({0});
+  const MeshFile file("a.ply", text + values<uint8_t>({2}) + values<int32_t>({0, 1}));
+  EXPECT_THAT(file.error(), HasSubstr("none of its 1 faces has at least 3 corners"));
+  EXPECT_EQ(file.load({.pointRadius = 0.1f}).triangleCount(), 40u);
+}
+
+TEST(PointRadius, IsForFilesWithoutFaces) {
+  const std::string triangle =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string positions = "0 0 0\n1 0 0\n0 1 0\n";
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string stl = "solid a\nfacet normal 0 0 1\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n";
+  const auto warningsOf = [](const std::string& name, const std::string& text) {
+    std::vector<std::string> warnings;
+    const WarningCapture capture(warnings);
+    MeshFile(name, text).load({.pointRadius = 0.1f});
+    return warnings;
+  };
+  EXPECT_THAT(warningsOf("a.ply", triangle + "end_header\n" + positions), testing::IsEmpty());
+  const auto unused = testing::ElementsAre(HasSubstr("has faces, so --point-radius has no effect"));
+  EXPECT_THAT(warningsOf("a.ply", triangle + "element face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+                                      positions + "3 0 1 2\n"),
+              unused);
+  EXPECT_THAT(warningsOf("a.obj", obj), unused);
+  EXPECT_THAT(warningsOf("a.stl", stl), unused);
 }
 
 TEST_P(Ply, StripsAlternate) {
@@ -280,6 +334,12 @@ TEST(PlyErrors, NameTheLine) {
                             "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
   EXPECT_THAT(error(start + "0 0 zero\n3 0 0 0\n"), HasSubstr("line 10 has \"zero\""));
   EXPECT_THAT(error(start + "0 0 0\n3 0 0 1\n"), HasSubstr("face 1 refers to vertex 1"));
+  const std::string facesFirst = std::string(
+                                     "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+                                     "element vertex 1\n") +
+                                 kPosition + "end_header\n";
+  EXPECT_THAT(error(facesFirst + "3 0 0 1\n0 0 0\n"), HasSubstr("face 1 refers to vertex 1, but there are 1 vertices"));
+  EXPECT_THAT(error(facesFirst + "3 0 0 0\n"), HasSubstr("\"vertex\" should have 1 rows"));
   EXPECT_THAT(error(start + "0 0 0\n3 0 0 -1\n"), HasSubstr("face 1 refers to vertex -1"));
   EXPECT_THAT(error(start + "0 0 0\n-3 0 0 0\n"), HasSubstr("list of -3"));
   EXPECT_THAT(error(std::string("ply\nformat ascii 1.0\nelement vertex 3\n") + kPosition +

@@ -44,6 +44,27 @@ TEST(Stl, BinaryAndAsciiHaveTheirCorners) {
   expectFacets(upper.load());
 }
 
+// The specification separates words by any white space, so lines have no meaning except for the names of solids.
+TEST(Stl, AsciiStatementsMayShareLines) {
+  const std::string lines = "solid a facet of wood\n" + asciiFacet(kFacets[0]) +
+                            "endsolid a facet of wood\nsolid two\n" + asciiFacet(kFacets[1]) + "endsolid two\n";
+  std::string oneLine = lines, carriageReturns = lines;
+  std::ranges::replace(oneLine, '\n', ' ');
+  std::ranges::replace(carriageReturns, '\n', '\r');
+  for (const std::string& text : {lines, oneLine, carriageReturns}) {
+    const Scene scene = MeshFile("a.stl", text).load();
+    ASSERT_EQ(scene.instances.size(), 2u) << text;
+    EXPECT_EQ(scene.nodes[scene.instances[0].node].path, "/a/a facet of wood") << text;
+    EXPECT_EQ(scene.nodes[scene.instances[1].node].path, "/a/two") << text;
+    expectFacets(scene);
+  }
+  std::string facetOnALine = asciiFacet(kFacets[1]), wordOnALine = asciiFacet(kFacets[1]);
+  std::ranges::replace(facetOnALine, '\n', ' ');
+  std::ranges::replace(wordOnALine, ' ', '\n');
+  for (const std::string& second : {facetOnALine, wordOnALine})
+    expectFacets(MeshFile("a.stl", "solid\n" + asciiFacet(kFacets[0]) + second + "\nendsolid\n").load());
+}
+
 TEST(Stl, NormalsAreThoseOfTheTriangles) {
   const Scene scene = MeshFile("a.stl", binaryStl("", kFacets, 2)).load();
   const Mesh& mesh = scene.meshes.at(0);
@@ -93,6 +114,13 @@ TEST(Stl, WrongFilesAreReported) {
   EXPECT_THAT(MeshFile("a.stl", "solid a\nfacet\nvertex 1 2 3\n").error(), HasSubstr("ends within a facet"));
   EXPECT_THAT(MeshFile("a.stl", "solid a\nfacet\nvertex 1 2 3\nendfacet\n").error(), HasSubstr("line 4"));
   EXPECT_THAT(MeshFile("a.stl", "solid a\nfacet\nvertexes 1 2 3\n").error(), HasSubstr("vertexes"));
+  EXPECT_THAT(MeshFile("a.stl", "solid a\rfacet\rvertex 1 2 3 4\r").error(), HasSubstr("line 3 contains \"4\""));
+  EXPECT_EQ(cornersOf(MeshFile("a.stl",
+                               "solid a\nfacet normal -nan(ind) -nan(ind) 1.#QNAN vertex 0 0 0\nvertex 1 0 0\n"
+                               "vertex 0 1 0 endfacet")
+                          .load())
+                .size(),
+            3u);
   std::vector<std::array<float, 9>> broken(1, kFacets[0]);
   broken[0][4] = NAN;
   EXPECT_THAT(MeshFile("a.stl", binaryStl("", broken, 1)).error(), HasSubstr("finite"));

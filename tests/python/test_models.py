@@ -161,8 +161,9 @@ def test_robots_move_their_joints(tmp_path):
         latelight.pose_urdf(posed, robot, {"shoulder": "up"})
     with pytest.raises(latelight.UsageError, match="requires the yourdfpy.URDF that the scene was made from, not "):
         latelight.pose_urdf(posed, str(path), [0])
-    with pytest.raises(latelight.UsageError, match="does not exist"):
-        latelight.from_urdf(tmp_path / "missing.urdf")
+    for convert in (latelight.from_urdf, latelight.Scene):
+        with pytest.raises(latelight.InputError, match="missing.urdf does not exist"):
+            convert(tmp_path / "missing.urdf")
 
 
 # A tree of joints of each type: a mimicking joint, a turned axis, a link without geometry, and names with slashes.
@@ -1422,6 +1423,23 @@ def test_files_of_urdf_stay_in_its_folder(tmp_path):
         latelight.from_urdf(urdf, allow_outside=[tmp_path / "none"])
 
 
+# yourdfpy logs a warning of such a file and leaves out its geometry.
+@pytest.mark.parametrize("kind", ["visual", "collision"])
+def test_meshes_of_urdf_that_do_not_exist_are_reported(tmp_path, monkeypatch, kind):
+    pytest.importorskip("yourdfpy")
+    monkeypatch.chdir(tmp_path)  # to which yourdfpy resolves names that it does not find
+    shapes = [f'<{kind}><geometry>{shape}</geometry></{kind}>' for shape in ('<box size="1 1 1"/>', '<mesh filename="a/b.stl"/>')]
+    (tmp_path / "robot.urdf").write_text(f'<robot name="r"><link name="l">{"".join(shapes)}</link></robot>')
+    with pytest.raises(latelight.InputError, match="robot.urdf: its mesh a/b.stl does not exist"):
+        latelight.from_urdf(tmp_path / "robot.urdf", geometry=kind)
+
+
+@pytest.mark.parametrize("convert", [latelight.from_usd, latelight.usd_exposures, latelight.Scene])
+def test_missing_usd_files_are_reported(tmp_path, convert):
+    with pytest.raises(latelight.InputError, match="missing.usda does not exist"):
+        convert(tmp_path / "missing.usda")
+
+
 def test_files_of_usd_stay_in_its_folder(tmp_path):
     from pxr import Sdf, Usd, UsdShade
 
@@ -1435,6 +1453,8 @@ def test_files_of_usd_stay_in_its_folder(tmp_path):
     with pytest.raises(latelight.InputError, match="other.usda, which is outside the scene's folder"):
         latelight.from_usd(path)
     assert latelight.from_usd(path, allow_outside=[tmp_path]).triangle_count == 4
+    with pytest.raises(latelight.UsageError, match="is not a folder: allow_outside requires"):
+        latelight.from_usd(path, allow_outside=[tmp_path / "none"])
     assert latelight.from_usd(stage).triangle_count == 4  # a stage that the caller composed
     image.fromarray(np.full((2, 2, 3), 9, np.uint8)).save(tmp_path / "paint.png")
     painted = Usd.Stage.CreateNew(str(tmp_path / "stage" / "painted.usda"))

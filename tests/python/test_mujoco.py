@@ -296,10 +296,10 @@ def test_cameras_have_the_projection_of_mujoco(attributes, scale, offset):
 def test_wrong_arguments_are_refused(model, robot, tmp_path):
     with pytest.raises(latelight.UsageError, match="requires a mujoco.MjModel or a file, not int"):
         latelight.from_mujoco(3)
-    with pytest.raises(latelight.UsageError, match="does not exist"):
+    with pytest.raises(latelight.InputError, match="does not exist"):
         latelight.from_mujoco(tmp_path / "missing.xml")
     (tmp_path / "broken.xml").write_text("<mujoco>")
-    with pytest.raises(latelight.UsageError, match="MuJoCo cannot load it"):
+    with pytest.raises(latelight.InputError, match="MuJoCo cannot load it"):
         latelight.from_mujoco(tmp_path / "broken.xml")
     with pytest.raises(latelight.UsageError, match="require each other"):
         robot.worlds(geom_xpos=np.zeros((1, model.ngeom, 3)))

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/log.h"
 #include "gltf_builder.h"
 #include "texture_pointers.h"
 
@@ -262,6 +263,24 @@ TEST(GltfMaterial, FactorsOutOfRange) {
   EXPECT_EQ(m.alphaCutoff, 0);
   EXPECT_EQ(m.specular, 1);
   EXPECT_EQ(m.specularColor, vec3(0, 2, 1));
+}
+
+// KHR_materials_ior allows 0, for a reflectance of 1, and values of at least 1.
+TEST(GltfMaterial, IndicesOfRefractionOutOfRange) {
+  const auto f0Of = [](double ior, const std::string& warning) {
+    GltfBuilder b = withMaterial({{"extensions", {{"KHR_materials_ior", {{"ior", ior}}}}}});
+    std::vector<std::string> warnings;
+    const WarningCapture capture(warnings);
+    const float f0 = b.load().materials.at(0).data.f0;
+    EXPECT_EQ(warnings.size(), warning.empty() ? 0 : 1) << ior;
+    if (!warnings.empty()) EXPECT_THAT(warnings[0], HasSubstr(warning));
+    return f0;
+  };
+  EXPECT_EQ(f0Of(0, ""), 1);
+  EXPECT_EQ(f0Of(1, ""), 0);
+  EXPECT_FLOAT_EQ(f0Of(3, ""), .25f);
+  EXPECT_EQ(f0Of(.5, "KHR_materials_ior.ior is 0.5, which is out of range: it is read as 1"), 0);
+  EXPECT_EQ(f0Of(-2, "KHR_materials_ior.ior is -2.0, which is out of range: it is read as 0"), 1);
 }
 
 TEST(GltfMaterial, TextureTransform) {

@@ -8,6 +8,7 @@
 #include <unordered_set>
 
 #include "base/hash.h"
+#include "base/log.h"
 #include "base/memory.h"
 #include "gltf_builder.h"
 #include "scene/framing.h"
@@ -321,6 +322,33 @@ TEST(GltfNodes, PunctualLights) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("has the unknown type \"laser\", and is left out"));
   ASSERT_EQ(scene.lights.size(), 2u);
   EXPECT_EQ(scene.lights[1].type, shared::kLightSpot);
+}
+
+// The ranges are those of KHR_lights_punctual: colors up to 1, ranges above 0, and inner cones within the outer ones.
+TEST(GltfNodes, LightsOutOfRangeAreRepaired) {
+  GltfBuilder b;
+  b.root["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "point"}, {"color", {2, -1, .5}}, {"range", 0}},
+      {{"type", "point"}, {"range", -2}},
+      {{"type", "spot"}, {"spot", {{"innerConeAngle", .75}, {"outerConeAngle", .5}}}},
+      {{"type", "spot"}, {"spot", {{"innerConeAngle", .5}, {"outerConeAngle", .5}}}}};
+  for (int i = 0; i < 4; ++i) b.node({{"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}});
+  std::vector<std::string> warnings;
+  const WarningCapture capture(warnings);
+  const Scene scene = b.load();
+  EXPECT_EQ(scene.lights.at(0).color, vec3(1, 0, .5f));
+  EXPECT_FALSE(scene.lights.at(0).range);
+  EXPECT_FALSE(scene.lights.at(1).range);
+  EXPECT_EQ(scene.lights.at(2).innerCone, .5f);
+  EXPECT_EQ(scene.lights.at(2).outerCone, .5f);
+  const std::string lights = "extensions.KHR_lights_punctual.lights";
+  EXPECT_THAT(warnings,
+              testing::ElementsAre(
+                  lights + "[0].color[0] is 2, which is out of range: it is read as 1",
+                  lights + "[0].color[1] is -1, which is out of range: it is read as 0",
+                  lights + "[0].range is 0, and is left out: it has to be above 0",
+                  lights + "[1].range is -2, and is left out: it has to be above 0",
+                  lights + "[2].spot.innerConeAngle is 0.75, above the outerConeAngle of 0.5: it is read as 0.5"));
 }
 
 // A node's extras override those of the light; invalid values are ignored.

@@ -7,6 +7,7 @@
 #include <functional>
 #include <utility>
 
+#include "base/log.h"
 #include "gltf_builder.h"
 #include "gltf_compressed_files.h"
 #include "scene/edit.h"
@@ -89,9 +90,6 @@ TEST(AnimationPointer, MovesScalarsOfMaterials) {
   // 0.3 of the factor (0.5, 0.25, 0.125).
   expectScalar("/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength",
                [](const At& at) { return at.material().emissive.y / .25f; });
-  // ((n - 1) / (n + 1))^2 = 49 / 169 at n = 0.3.
-  expectScalar("/materials/0/extensions/KHR_materials_ior/ior",
-               [](const At& at) { return at.material().f0 * 169 / 49 * .3f; });
 }
 
 // Properties of layers, too, all of which may have the value 0.3.
@@ -245,6 +243,19 @@ TEST(AnimationPointer, ColorsStayInTheirRange) {
   animate(b, "/materials/0/pbrMetallicRoughness/baseColorFactor", {2, -1, .5f, 1}, {2, -1, .5f, 1});
   const Scene scene = b.load();
   EXPECT_EQ(At(scene).material().baseColor, vec4(1, 0, .5f, 1));
+  GltfBuilder light = sceneFile();
+  animate(light, "/extensions/KHR_lights_punctual/lights/0/color", {2, -1, .5f}, {2, -1, .5f});
+  const Scene lit = light.load();
+  EXPECT_EQ(At(lit).light(0).color, vec3(1, 0, .5f));
+}
+
+TEST(AnimationPointer, IndicesOfRefractionAreZeroOrAtLeastOne) {
+  GltfBuilder b = sceneFile();
+  animate(b, "/materials/0/extensions/KHR_materials_ior/ior", {-1}, {3});
+  const Scene scene = b.load();
+  EXPECT_EQ(At(scene, 0.25).material().f0, 1);         // 0, which stands for a reflectance of 1
+  EXPECT_EQ(At(scene, 0.375).material().f0, 0);        // 0.5 becomes 1
+  EXPECT_FLOAT_EQ(At(scene, 1).material().f0, 0.25f);  // ((3 - 1) / (3 + 1))^2
 }
 
 // An edit of the emission replaces both of its factors in the file.
@@ -359,9 +370,34 @@ TEST(AnimationPointer, RefusesWhatIsNotThere) {
   EXPECT_THAT(pointerError("/materials/1/alphaCutoff"), HasSubstr("there are 1"));
   EXPECT_THAT(pointerError("/cameras/2/perspective/yfov"), HasSubstr("there are 2"));
   EXPECT_THAT(pointerError("/extensions/KHR_lights_punctual/lights/1/intensity"), HasSubstr("there are 1"));
-  EXPECT_THAT(pointerError("/nodes/0/weights/0"), HasSubstr("there are 0"));
+  EXPECT_THAT(pointerError("/nodes/0/weights/first"), HasSubstr("weights/first"));
   EXPECT_THAT(pointerError("nodes"), HasSubstr("slash"));
   EXPECT_THAT(pointerError("/nodes/0/translation"), HasSubstr("wrong number"));  // the number of components
+}
+
+// Loads a file whose animation has one channel with the pointer, and expects it to be skipped with this warning.
+void expectSkipped(const std::string& pointer, const std::string& warning) {
+  GltfBuilder b = sceneFile();
+  animate(b, pointer, {.2f}, {.6f});
+  std::vector<std::string> warnings;
+  const WarningCapture capture(warnings);
+  const Scene scene = b.load();
+  EXPECT_THAT(warnings, testing::ElementsAre(HasSubstr(warning))) << pointer;
+  EXPECT_TRUE(scene.rig.animations.at(0).tracks.empty()) << pointer;
+  EXPECT_TRUE(scene.rig.animations.at(0).values.empty()) << pointer;
+}
+
+// Such channels are skipped as those with the path "weights" are.
+TEST(AnimationPointer, SkipsWeightsOfMeshesWithoutMorphTargets) {
+  for (const char* pointer :
+       {"/nodes/0/weights/0", "/nodes/0/weights", "/nodes/1/weights/0", "/meshes/0/weights/0", "/meshes/0/weights"})
+    expectSkipped(pointer, "whose mesh has no morph targets, and is left out");
+}
+
+TEST(AnimationPointer, SkipsPropertiesOfTheOtherProjection) {
+  for (const std::string pointer : {"/cameras/1/perspective/yfov", "/cameras/1/perspective/znear",
+                                    "/cameras/0/orthographic/ymag", "/cameras/0/orthographic/zfar"})
+    expectSkipped(pointer, "the file animates " + pointer + ", which is not supported and keeps its value");
 }
 
 // A property that the file does not have is ignored, and the file loads.

@@ -43,10 +43,11 @@ Picture noise(uint32_t width, uint32_t height) {
   return p;
 }
 
-Encoded toPng(const Picture& p, int bits = 8, int colorType = SPNG_COLOR_TYPE_TRUECOLOR_ALPHA) {
+Encoded toPng(const Picture& p, int bits = 8, int colorType = SPNG_COLOR_TYPE_TRUECOLOR_ALPHA,
+              int interlace = SPNG_INTERLACE_NONE) {
   spng_ctx* context = spng_ctx_new(SPNG_CTX_ENCODER);
   spng_set_option(context, SPNG_ENCODE_TO_BUFFER, 1);
-  spng_ihdr header{p.width, p.height, uint8_t(bits), uint8_t(colorType), 0, 0, 0};
+  spng_ihdr header{p.width, p.height, uint8_t(bits), uint8_t(colorType), 0, 0, uint8_t(interlace)};
   spng_set_ihdr(context, &header);
   EXPECT_EQ(spng_encode_image(context, p.rgba.data(), p.rgba.size(), SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE), 0);
   size_t size = 0;
@@ -99,13 +100,29 @@ TEST(TextureCodecs, PngIsExact) {
   EXPECT_EQ(largestDifference(texture, p.rgba), 0);
 }
 
-TEST(TextureCodecs, PngOfSixteenBitsIsCutToEight) {
-  Picture wide{2, 1, {}};
-  const uint16_t channels[] = {0x1234, 0x5678, 0x9abc, 0xffff, 0x0000, 0x8000, 0xff00, 0x4000};
-  wide.rgba.resize(sizeof(channels));
-  std::memcpy(wide.rgba.data(), channels, sizeof(channels));
-  Texture texture = decodeTexture(toPng(wide, 16), false, "p");
-  EXPECT_LE(largestDifference(texture, {0x12, 0x56, 0x9a, 0xff, 0x00, 0x80, 0xff, 0x40}), 1);
+// The inputs are all values of 16 bits, in images whose sizes are no multiples of the blocks of interlaced files.
+TEST(TextureCodecs, PngOfSixteenBitsIsRoundedToEight) {
+  for (const int interlace : {SPNG_INTERLACE_NONE, SPNG_INTERLACE_ADAM7})
+    for (const uint32_t width : {1u, 3u, 13u, 100u}) {
+      const uint32_t height = (16384 + width - 1) / width;  // 4 channels per pixel
+      Picture wide{width, height, {}};
+      std::vector<uint8_t> expected;
+      for (uint32_t i = 0; i < 4 * width * height; ++i) {
+        const auto value = uint16_t(i * 40503);  // an odd factor permutes the values
+        wide.rgba.insert(wide.rgba.end(),
+                         {uint8_t(value & 255), uint8_t(value >> 8)});  // libspng expects the host's order
+        expected.push_back(uint8_t(std::lround(value / 257.0)));
+      }
+      const Encoded png = toPng(wide, 16, SPNG_COLOR_TYPE_TRUECOLOR_ALPHA, interlace);
+      EXPECT_EQ(largestDifference(decodeTexture(png, false, "p"), expected), 0) << width << " " << interlace;
+    }
+}
+
+TEST(TextureCodecs, GrayPngOfSixteenBitsIsRounded) {
+  const Picture gray{2, 1, {0xff, 0xfe, 0x00, 0x01}};  // 65279 / 257 = 254.004 and 256 / 257 = 0.996
+  EXPECT_EQ(largestDifference(decodeTexture(toPng(gray, 16, SPNG_COLOR_TYPE_GRAYSCALE), false, "p"),
+                              {254, 254, 254, 255, 1, 1, 1, 255}),
+            0);
 }
 
 TEST(TextureCodecs, GreyPng) {
@@ -230,6 +247,9 @@ TEST(TextureCodecs, BrokenPictures) {
   Encoded png = toPng(noise(64, 64));
   png.resize(png.size() / 2);
   EXPECT_THAT(errorOf(png), HasSubstr("PNG"));
+  Encoded wide = toPng({32, 64, noise(64, 64).rgba}, 16);
+  wide.resize(wide.size() / 2);
+  EXPECT_THAT(errorOf(wide), HasSubstr("PNG"));
   Picture p = smoothPicture(64, 64);
   Encoded jpeg = toJpeg(p.rgba, 64, 64, TJPF_RGBX, TJSAMP_420);
   jpeg.resize(jpeg.size() / 2);

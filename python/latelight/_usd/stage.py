@@ -12,7 +12,7 @@ from typing import Any
 from .._core import Scene
 from .._enclosure import Enclosure
 from .._model_builder import missing, reading
-from ..errors import UsageError
+from ..errors import InputError
 from .animation import Animation
 from .cameras import add_camera, exposures_of
 from .context import Context
@@ -80,9 +80,9 @@ def _opened(
         raise missing("usd-core", function) from None
     is_file = isinstance(stage, (str, os.PathLike))
     if is_file and not os.path.isfile(stage):
-        raise UsageError(f"{os.fspath(stage)} does not exist: give a .usd, .usda, .usdc or .usdz file")
+        raise InputError(f"{os.fspath(stage)} does not exist: give a .usd, .usda, .usdc or .usdz file")
+    enclosure = Enclosure(stage, allow_outside) if is_file else None
     with reading(stage, "usd-core"):
-        enclosure = Enclosure(stage, allow_outside) if is_file else None
         opened = open_stage(pxr, os.fspath(stage), enclosure) if enclosure else stage
         yield Context(opened, pxr, time, Files(pxr, enclosure))
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "data/scene_files.h"
 #include "data/stop.h"
 #include "data/variations/draws.h"
@@ -167,6 +168,8 @@ std::vector<std::filesystem::path> scatterFiles(const Json& value, const scene::
     const auto source = file.get<std::string>();
     scene::LoadOptions options{.allowOutside = load.allowOutside, .textures = listsFilesOnlyWithTextures(source)};
     if (!scene::definesFrame(source)) options.pointRadius = 1;  // required for points; any radius lists the same files
+    std::vector<std::string> ignored;                           // the load that renders the file repeats its warnings
+    const WarningCapture capture(ignored);
     const scene::Scene scene = scene::load(source, options);
     files.insert(files.end(), scene.files.begin(), scene.files.end());
   }

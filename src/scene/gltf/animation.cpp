@@ -151,7 +151,8 @@ class AnimationReader {
     if (property == AnimatedProperty::Rotation) track.width = 4;
     if (weights) track.width = element < 0 ? weightCount(document_, node) : 1;
     if (visible) track.width = 1;
-    if (track.width == 0) skipTrack("moves weights of nodes[{}], whose mesh has no morph targets", node);
+    if (weights && weightCount(document_, node) == 0)
+      skipTrack("moves weights of nodes[{}], whose mesh has no morph targets", node);
     if (!document_.model.nodes[node].matrix.empty() && !weights && !visible)
       return warn("{} moves nodes[{}], whose transform is a matrix: it stays as it is", name_, node);
     const Layout layout{.components = weights ? 1 : track.width,

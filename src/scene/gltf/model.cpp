@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "scene/gltf/json.h"
 #include "scene/gltf/model_materials.h"
 
@@ -159,6 +160,13 @@ Light readLight(const json& source, size_t index) {
   if (!spot) badInput("extensions.KHR_lights_punctual.lights[{}].spot is missing", index);
   light.innerConeAngle = spot->value("innerConeAngle", light.innerConeAngle);
   light.outerConeAngle = spot->value("outerConeAngle", light.outerConeAngle);
+  if (light.innerConeAngle > light.outerConeAngle) {
+    warn(
+        "extensions.KHR_lights_punctual.lights[{}].spot.innerConeAngle is {}, above the outerConeAngle of {}: it is "
+        "read as {}",
+        index, light.innerConeAngle, light.outerConeAngle, light.outerConeAngle);
+    light.innerConeAngle = light.outerConeAngle;
+  }
   return light;
 }
 

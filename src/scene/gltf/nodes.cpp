@@ -166,7 +166,7 @@ std::optional<Light> readLight(const file::Light& source) {
   if (source.range > 0) light.range = float(source.range);
   if (shared::lightHasCone(light.type)) {
     light.outerCone = float(source.outerConeAngle);
-    light.innerCone = std::min(float(source.innerConeAngle), light.outerCone);
+    light.innerCone = float(source.innerConeAngle);
   }
   return light;
 }

@@ -38,13 +38,14 @@ void checkIndex(const Parts& parts, size_t count, const std::string& name) {
   if (parts.index >= count) badInput("{} points to {}{}, but there are {}", name, parts.list, parts.index, count);
 }
 
-// Parses "weights" (-1, all weights) or "weights/2" (one weight).
+// Parses "weights" (-1, all weights) or "weights/2" (one weight). If the mesh has no morph targets, the caller skips
+// the channel, as it does for the path "weights".
 std::optional<int> findWeights(const Document& document, int mesh, std::string_view below, const std::string& name) {
   if (below == "weights") return -1;
   if (!below.starts_with("weights/")) return std::nullopt;
   const auto element = parseNumber<uint32_t>(std::string(below.substr(8)));
   const size_t count = mesh < 0 ? 0 : targetCount(document.model.meshes[size_t(mesh)]);
-  if (!element || *element >= count) badInput("{} points to {}, and there are {}", name, below, count);
+  if (!element || (count > 0 && *element >= count)) badInput("{} points to {}, and there are {}", name, below, count);
   return int(*element);
 }
 
@@ -102,6 +103,8 @@ std::optional<PointedProperty> find(const Document& document, const Hierarchy& h
   }
   if (parts.list == "/cameras/") {
     checkIndex(parts, model.cameras.size(), name);
+    const bool isPerspective = std::holds_alternative<file::Perspective>(model.cameras[parts.index].projection);
+    if (!parts.below.starts_with(isPerspective ? "perspective/" : "orthographic/")) return std::nullopt;
     return findInElement(AnimatedElements::Cameras,
                          madeFrom(scene.cameras, document, hierarchy, parts.index, &file::Node::camera), parts.below);
   }

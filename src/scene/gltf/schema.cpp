@@ -62,6 +62,7 @@ struct Rule {
   Kind kind;
   bool required = false;
   double least = -std::numeric_limits<float>::max(), most = std::numeric_limits<float>::max();
+  bool allowsZero = false;                                         // 0 is valid, although it is below `least`
   size_t fewest = 0, atMost = std::numeric_limits<size_t>::max();  // number of array items
   Target target = Target::Count;
   const Schema* schema = nullptr;
@@ -262,7 +263,7 @@ constexpr Rule kPbrRules[] = {shares("baseColorFactor", 4), object("baseColorTex
 constexpr Schema kPbr{kPbrRules};
 constexpr Rule kEmissiveStrengthRules[] = {number("emissiveStrength", 0)};
 constexpr Schema kEmissiveStrength{kEmissiveStrengthRules};
-constexpr Rule kIorRules[] = {number("ior", 0)};
+constexpr Rule kIorRules[] = {{.key = "ior", .kind = Kind::Number, .least = 1, .allowsZero = true}};
 constexpr Schema kIor{kIorRules};
 constexpr Rule kSpecularRules[] = {share("specularFactor"), object("specularTexture", &kTextureInfo),
                                    numbers("specularColorFactor", 3, 3, 0),
@@ -344,8 +345,8 @@ constexpr Schema kSampler{kSamplerRules};
 
 constexpr Rule kSpotRules[] = {number("innerConeAngle", 0, 1.5708), number("outerConeAngle", 0, 1.5708)};
 constexpr Schema kSpot{kSpotRules};
-constexpr Rule kLightRules[] = {string("type", true), numbers("color", 3, 3, 0), number("intensity", 0),
-                                number("range", 0),   object("spot", &kSpot),    string("name")};
+constexpr Rule kLightRules[] = {string("type", true),       shares("color"),        number("intensity", 0),
+                                number("range", kPositive), object("spot", &kSpot), string("name")};
 constexpr Schema kLight{kLightRules};
 constexpr Rule kLightsRules[] = {objects("lights", &kLight, true)};
 constexpr Schema kLights{kLightsRules};
@@ -530,7 +531,7 @@ class Validator {
     if (!value.is_number()) bad("should be a number");
     const double d = value.get<double>();
     if (!std::isfinite(static_cast<float>(d))) bad("is {}, which is out of range", value.dump());
-    const double nearest = std::clamp(d, rule.least, rule.most);
+    const double nearest = rule.allowsZero && d <= 0 ? 0 : std::clamp(d, rule.least, rule.most);
     if (nearest == d) return;
     warn("{} is {}, which is out of range: it is read as {}", where(), value.dump(), nearest);
     value = nearest;

@@ -75,6 +75,12 @@ void fillTexel(const ImageRequest& request, const Plane& first, const Plane& sec
 
 }  // namespace
 
+std::string Images::locate(const std::string& file, const std::string& folder) const {
+  const std::filesystem::path inFolder = std::filesystem::path(folder) / file;
+  std::error_code ignored;
+  return std::filesystem::exists(source_.path.parent_path() / inFolder, ignored) ? inFolder.string() : file;
+}
+
 bool Images::isReadable(const std::string& file) {
   const auto [known, isNew] = files_.try_emplace(file);
   if (!isNew) return known->second.has_value();

@@ -42,6 +42,9 @@ struct ImageRequest {
 class Images {
  public:
   explicit Images(Source& source) : source_(source) {}
+  // Returns the name of the image `file` relative to the scene's folder. The name starts from `folder`, which is
+  // relative to the scene's folder too, or from the scene's folder if there is no such file.
+  std::string locate(const std::string& file, const std::string& folder) const;
   // Returns true if the file exists; otherwise prints a warning. Throws Error(BadInput) if the scene may not read it.
   bool isReadable(const std::string& file);
   // Returns the index of the texture in the scene, which decode() fills.

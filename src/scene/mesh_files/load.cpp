@@ -56,6 +56,8 @@ Scene import(const std::filesystem::path& path, MeshFormat format, const LoadOpt
   if (format == MeshFormat::Obj) readObj(source);
   if (format == MeshFormat::Ply) readPly(source);
   if (format == MeshFormat::Stl) readStl(source);
+  if (radius && !source.hasPoints)
+    warn("{} has faces, so --point-radius has no effect: it is for PLY files without faces", path.string());
   Scene& scene = source.builder.scene;
   source.working = {};
   scene.memory.grow(geometryBytes(scene), "its meshes");

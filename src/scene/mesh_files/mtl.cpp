@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -15,7 +16,7 @@ namespace {
 class MtlParser {
  public:
   MtlParser(std::string_view text, const std::string& name, std::map<std::string, MtlMaterial, std::less<>>& materials)
-      : text_(text), name_(name), materials_(materials) {}
+      : text_(text), name_(name), folder_(std::filesystem::path(name).parent_path().string()), materials_(materials) {}
 
   void run() {
     for (size_t at = 0; at < text_.size();) {
@@ -38,7 +39,7 @@ class MtlParser {
     if (key.empty() || key[0] == '#') return;
     if (equalsIgnoringCase(key, "newmtl")) {
       const std::string material = utf8OrLatin1(words.rest());
-      current_ = &(materials_[material] = {.name = material});
+      current_ = &(materials_[material] = {.name = material, .folder = folder_});
       return;
     }
     if (!current_) return;  // a statement before the first material
@@ -112,7 +113,7 @@ class MtlParser {
       if (option.size() < 2 || option[0] != '-' || !readOption(option, after, map)) break;
       words = after;
     }
-    map.image.file = std::string(words.rest());
+    map.image.file = std::string(unquoted(words.rest()));
     std::ranges::replace(map.image.file, '\\', '/');
     if (map.image.file.empty()) wrong("names no image file");
     current_->maps[key] = std::move(map);
@@ -153,6 +154,7 @@ class MtlParser {
 
   const std::string_view text_;
   const std::string& name_;
+  const std::string folder_;
   std::map<std::string, MtlMaterial, std::less<>>& materials_;
   MtlMaterial* current_ = nullptr;
   std::string_view line_;

@@ -23,6 +23,7 @@ struct MtlMap {
 
 struct MtlMaterial {
   std::string name;                                 // UTF-8
+  std::string folder;                               // of the library, relative to that of the OBJ file
   std::optional<vec3> diffuse, specular, emissive;  // Kd, Ks, Ke
   std::optional<float> exponent;                    // Ns
   float alpha = 1;                                  // d, or 1 - Tr

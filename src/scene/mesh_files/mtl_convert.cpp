@@ -22,7 +22,10 @@ constexpr float kNeutralSpecular = 0.5f;  // the Ks of a reflectance of 0.04
 class Converter {
  public:
   Converter(const MtlMaterial& source, const LoadOptions& options, Images& images)
-      : source_(source), options_(options), images_(images) {}
+      : source_(source), options_(options), images_(images) {
+    if (!options.textures) return;
+    for (auto& [key, map] : source_.maps) map.image.file = images.locate(map.image.file, source.folder);
+  }
 
   Material run() {
     setFactors();
@@ -155,7 +158,7 @@ class Converter {
 
   static constexpr float kBumpTexels = 8;  // the height of white over black in texels, at -bm 1
 
-  const MtlMaterial& source_;
+  MtlMaterial source_;  // with the names of images relative to the OBJ file's folder
   const LoadOptions& options_;
   Images& images_;
   Material out_ = plainMaterial(source_.name, vec3(0.8f), 0, 0.5f);

@@ -261,7 +261,7 @@ class ObjReader {
   void readLibraries() {
     for (const ObjBlock& block : file_.blocks)
       for (const std::string_view names : block.materialLibraries) {
-        if (readLibrary(std::string(names))) continue;  // one name, which may contain blanks
+        if (readLibrary(std::string(unquoted(names)))) continue;  // one name, which may contain blanks
         Words words(names);
         const bool isOne = names.find_first_of(" \t") == std::string_view::npos;
         for (std::string_view word = words.word(); !word.empty(); word = words.word())

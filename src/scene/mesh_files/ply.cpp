@@ -67,8 +67,21 @@ class PlyReader {
       : source_(source), header_(readPlyHeader(source.text())), rows_(source.text(), header_), images_(source) {}
 
   void run() {
-    for (const PlyElement& element : header_.elements) readElement(element);
-    if (vertices_.positions.empty()) badInput("it has no vertices: its element \"vertex\" is missing or empty");
+    const auto vertex = std::ranges::find(header_.elements, "vertex", &PlyElement::name);
+    if (vertex == header_.elements.end() || vertex->count == 0)
+      badInput("it has no vertices: its element \"vertex\" is missing or empty");
+    const bool readFirst = std::any_of(header_.elements.begin(), vertex, hasFaces);  // faces refer to its rows
+    if (readFirst) {
+      std::for_each(header_.elements.begin(), vertex, [&](const PlyElement& element) { skip(element); });
+      readElement(*vertex);
+      rows_.rewind();
+    }
+    for (const PlyElement& element : header_.elements) {
+      if (readFirst && &element == &*vertex)
+        skip(element);
+      else
+        readElement(element);
+    }
     addMaterials();
     if (!faces_.indices.empty())
       addMeshes();
@@ -81,13 +94,23 @@ class PlyReader {
  private:
   std::string name() const { return source_.path.string(); }
 
+  // Returns the list of corners, or -1 for an element that is neither faces nor strips.
+  static int cornersIn(const PlyElement& element) {
+    const int list = element.find({"vertex_indices", "vertex_index"});
+    const bool isKnown = element.name == "face" || element.name == "tristrips";
+    return isKnown && list >= 0 && element.properties[size_t(list)].isList() ? list : -1;
+  }
+  static bool hasFaces(const PlyElement& element) { return cornersIn(element) >= 0; }
+
   void readElement(const PlyElement& element) {
+    if (element.name != "vertex" && !hasFaces(element)) return skip(element);
     rows_.begin(element);
     if (element.name == "vertex") return readVertices(element);
-    const int list = element.find({"vertex_indices", "vertex_index"});
-    const bool isStrips = element.name == "tristrips";
-    if ((element.name == "face" || isStrips) && list >= 0 && element.properties[size_t(list)].isList())
-      return isStrips ? readStrips(element, list) : readFaces(element, list);
+    return element.name == "face" ? readFaces(element, cornersIn(element)) : readStrips(element, cornersIn(element));
+  }
+
+  void skip(const PlyElement& element) {
+    rows_.begin(element);
     for (uint64_t i = 0; i < element.count; ++i) rows_.next();
   }
 
@@ -183,7 +206,7 @@ class PlyReader {
 
   uint32_t check(double index) const {
     if (!(index >= 0 && index < double(vertices_.positions.size())) || index != std::floor(index))
-      badInput("face {} refers to vertex {}, but {} vertices precede it, numbered from 0", rows_.row(), index,
+      badInput("face {} refers to vertex {}, but there are {} vertices, numbered from 0", rows_.row(), index,
                vertices_.positions.size());
     return uint32_t(index);
   }
@@ -333,6 +356,11 @@ class PlyReader {
 
   void addPoints() {
     const size_t count = vertices_.positions.size();
+    if (!source_.options.pointRadius && faces_.skipped > 0)
+      badInput(
+          "none of its {} faces has at least 3 corners: export it again with its faces, or set --point-radius to show "
+          "its points as spheres",
+          faces_.skipped);
     if (!source_.options.pointRadius)
       badInput(
           "it has {} points and no faces: set --point-radius to the radius in meters of the spheres that are to stand "
@@ -341,6 +369,7 @@ class PlyReader {
     constexpr size_t kCorners = 12, kTriangles = 20;  // of an icosahedron
     if (count > kMaxVertices / (3 * kTriangles))
       badInput("it has {} points, too many to be spheres: thin them out", count);
+    source_.hasPoints = true;
     source_.claim(count * (kCorners * kVertexBytes + 3 * kTriangles * sizeof(uint32_t)));
     const float radius = float(double{*source_.options.pointRadius} / source_.frame.metersPerUnit);
     std::vector<Primitive> primitives(1);

@@ -15,8 +15,10 @@ namespace latelight::scene::mesh_files {
 class PlyRows {
  public:
   PlyRows(std::string_view file, const PlyHeader& header)
-      : file_(file), at_(header.bytes), encoding_(header.encoding) {}
+      : file_(file), start_(header.bytes), at_(header.bytes), encoding_(header.encoding) {}
 
+  // Returns to the first row of the first element.
+  void rewind() { at_ = start_; }
   // Begins an element. Throws Error(BadInput) if the rest of the file is too short for its rows.
   void begin(const PlyElement& element);
   // Reads the next row: value() and list() then return its properties.
@@ -46,6 +48,7 @@ class PlyRows {
   bool readCorners(size_t offset, size_t stride, uint64_t limit, std::vector<uint32_t>& corners) const;
 
   const std::string_view file_;
+  const size_t start_;  // of the rows
   size_t at_;
   const PlyEncoding encoding_;
   const PlyElement* element_ = nullptr;

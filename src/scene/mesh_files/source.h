@@ -60,6 +60,7 @@ class Source {
   const AllowedFolders folders;
   SceneBuilder builder;
   MemoryClaim working;
+  bool hasPoints = false;  // if spheres of LoadOptions::pointRadius stand for its points
 
  private:
   size_t pathBytes_ = 0;

@@ -82,43 +82,72 @@ void readBinary(Source& source) {
 
 // --- ASCII ----------------------------------------------------------------------------------------------------------
 
-// Reads the solids of an ASCII file. Only "solid", "endsolid", "vertex" and "endfacet" matter. Facets of more than
-// three corners, which some writers produce, are triangulated.
+// Reads the solids of an ASCII file. Statements may share lines, and may be split across lines. Only the names of
+// solids depend on line ends, because a name may contain blanks. Only "solid", "vertex" and "endfacet" matter. Facets
+// of more than three corners, which some writers produce, are triangulated.
 class AsciiReader {
  public:
-  explicit AsciiReader(Source& source) : source_(source), text_(source.text()) {}
+  explicit AsciiReader(Source& source) : source_(source), text_(source.text()), words_(text_) {}
 
   void run() {
-    source_.claim(text_.size());  // a corner has fewer bytes than its line
-    for (size_t at = 0; at < text_.size();) {
-      const size_t end = std::min(text_.find('\n', at), text_.size());
-      readLine(text_.substr(at, end - at), at);
-      at = end + 1;
-    }
+    source_.claim(text_.size());  // a corner has fewer bytes than its statement
+    for (std::string_view key = words_.word(); !key.empty(); key = words_.word()) readStatement(key);
     finishSolid();
     if (!any_) badInput("it has no facets: export it again with its triangles");
   }
 
  private:
-  void readLine(std::string_view line, size_t at) {
-    Words words(line);
-    const std::string_view key = words.word();
+  void readStatement(std::string_view key) {
+    const auto at = static_cast<size_t>(key.data() - text_.data());
     if (equalsIgnoringCase(key, "vertex")) {
       vec3 p;
       for (int i = 0; i < 3; ++i)
-        if (!words.number(p[i])) wrong(at, "requires three numbers after \"vertex\"");
+        if (!words_.number(p[i])) wrong(at, "requires three numbers after \"vertex\"");
       corners_.push_back(p);
     } else if (equalsIgnoringCase(key, "endfacet")) {
       finishFacet(at);
     } else if (equalsIgnoringCase(key, "facet")) {
       if (!corners_.empty()) wrong(at, "begins a facet before the last one has ended with \"endfacet\"");
+      skipNormal();
     } else if (equalsIgnoringCase(key, "solid")) {
       finishSolid();
-      name_ = utf8OrLatin1(words.rest());
-    } else if (!key.empty() && !equalsIgnoringCase(key, "outer") && !equalsIgnoringCase(key, "endloop") &&
-               !equalsIgnoringCase(key, "endsolid")) {
-      wrong(at, fmt::format("begins with \"{}\", which ASCII STL does not define: export the file again",
+      name_ = utf8OrLatin1(readName());
+    } else if (equalsIgnoringCase(key, "endsolid")) {
+      skipEndName();
+    } else if (!equalsIgnoringCase(key, "outer") && !equalsIgnoringCase(key, "loop") &&
+               !equalsIgnoringCase(key, "endloop")) {
+      wrong(at, fmt::format("contains \"{}\", which ASCII STL does not define there: export the file again",
                             printableStart(key)));
+    }
+  }
+
+  // Skips "normal" and three words, which need not be numbers: some writers store "-nan(ind)".
+  void skipNormal() {
+    Words after = words_;
+    if (!equalsIgnoringCase(after.word(), "normal")) return;
+    for (int i = 0; i < 3; ++i) after.word();
+    words_ = after;
+  }
+
+  // Returns the rest of the line. In files on one line, the first facet ends the name.
+  std::string_view readName() {
+    std::string_view name;
+    Words after = words_;
+    for (std::string_view word = after.wordOnLine(); !word.empty(); word = after.wordOnLine()) {
+      if (equalsIgnoringCase(word, "facet") && equalsIgnoringCase(Words(after).wordOnLine(), "normal")) break;
+      if (name.empty()) name = word;
+      name = {name.data(), static_cast<size_t>(word.data() + word.size() - name.data())};
+      words_ = after;
+    }
+    return name;
+  }
+
+  // Skips the name after "endsolid". In files on one line, the next "solid" ends the name.
+  void skipEndName() {
+    Words after = words_;
+    for (std::string_view word = after.wordOnLine(); !word.empty(); word = after.wordOnLine()) {
+      if (equalsIgnoringCase(word, "solid")) break;
+      words_ = after;
     }
   }
 
@@ -154,6 +183,7 @@ class AsciiReader {
 
   Source& source_;
   const std::string_view text_;
+  Words words_;
   std::string name_;
   std::vector<vec3> positions_, corners_;
   std::vector<std::array<uint32_t, 3>> triangles_;

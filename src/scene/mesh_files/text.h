@@ -17,10 +17,12 @@ inline bool isBlank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
-// Returns the number of the line that contains the byte at `offset`, from 1 on.
+// Returns the number of the line that contains the byte at `offset`, from 1 on. Lines end with LF, CR LF or CR.
 inline size_t lineAt(std::string_view text, size_t offset) {
-  const auto end = text.begin() + static_cast<ptrdiff_t>(std::min(offset, text.size()));
-  return static_cast<size_t>(std::count(text.begin(), end, '\n')) + 1;
+  size_t line = 1;
+  for (size_t i = 0; i < std::min(offset, text.size()); ++i)
+    if (text[i] == '\n' || (text[i] == '\r' && text.substr(i + 1, 1) != "\n")) ++line;
+  return line;
 }
 
 // Parses a number at the start of [at, end), and returns the end of it, or null if there is none. Values beyond the
@@ -57,6 +59,11 @@ class Words {
     while (at_ < end_ && !isBlank(*at_) && *at_ != '\n') ++at_;
     return {begin, static_cast<size_t>(at_ - begin)};
   }
+  // Returns the next word of the line, which LF or CR ends; empty at the line's end.
+  std::string_view wordOnLine() {
+    while (at_ < end_ && isBlank(*at_) && *at_ != '\r') ++at_;
+    return at_ < end_ && (*at_ == '\r' || *at_ == '\n') ? std::string_view() : word();
+  }
   // Returns the rest without blanks at its ends.
   std::string_view rest() {
     skipBlanks();
@@ -85,6 +92,12 @@ class Words {
   const char* at_;
   const char* end_;
 };
+
+// Returns a file's name without the quotation marks that some writers put around it.
+inline std::string_view unquoted(std::string_view name) {
+  const bool isQuoted = name.size() > 2 && name.front() == '"' && name.back() == '"';
+  return isQuoted ? name.substr(1, name.size() - 2) : name;
+}
 
 // Returns true if two words are equal, regardless of the case of ASCII letters. `lower` is in lower case.
 inline bool equalsIgnoringCase(std::string_view word, std::string_view lower) {

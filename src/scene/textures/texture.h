@@ -17,7 +17,7 @@ namespace latelight::scene {
 ImageSize imageSize(std::span<const std::byte> encoded, const std::string& name);
 
 // Decodes an image and generates its mip levels unless it contains all of them. If a texture decoded from the same
-// bytes still exists, their pixels are shared and must not be changed. Images with 16 bits per channel are truncated to
+// bytes still exists, their pixels are shared and must not be changed. Images with 16 bits per channel are rounded to
 // 8. Throws Error(BadInput) with `name` if it is broken. The levels are generated on all threads; may be called from
 // parallelFor.
 Texture decodeTexture(std::span<const std::byte> encoded, bool srgb, const std::string& name);
