@@ -209,6 +209,7 @@ struct Environment;
 struct NodeCopy {
   int node = -1;          // the node that is copied with all nodes below it; -1: several
   dmat4 displacement{1};  // in the world, from the original to the copy; it does not mirror
+  dvec3 scaleSigns{1};    // of the original of the first part (objects.h)
 };
 
 // The material of an instance in a variant that changes it (KHR_materials_variants).

@@ -248,6 +248,56 @@ TEST(FormatsOfABatch, KeypointsOfMovedNodesWithScatteredCopies) {
   }
 }
 
+// The object's frame has the rotation that its nodes state, without their scale, also if that mirrors. The mesh's
+// center is (1, 2, 3), and the turned node's parent is mirrored from left to right.
+TEST(FormatsOfABatch, FramesOfMirroredObjectsHaveTheRotationsOfTheirNodes) {
+  Folder folder;
+  const float corners[] = {0, 1, 2, 2, 1, 2, 1, 3, 4};
+  folder.write("signs.bin", std::string_view(reinterpret_cast<const char*>(corners), sizeof(corners)));
+  const std::vector<glm::dvec3> scales{{1, 1, 1}, {-1, 1, 1}, {1, -2, 1}, {1, 1, -1}, {-1, -1, 1}, {-3, -1, -1}};
+  std::string nodes, roots;
+  for (size_t i = 0; i < scales.size(); ++i) {
+    const glm::dvec3& s = scales[i];
+    nodes += fmt::format(R"({{"name": "n{}", "mesh": 0, "translation": [{}, 0, 0], "scale": [{}, {}, {}]}},)", i, 8 * i,
+                         s.x, s.y, s.z);
+    roots += fmt::format("{}, ", i);
+  }
+  folder.write("signs.gltf", std::string_view(fmt::format(R"({{"asset": {{"version": "2.0"}}, "scene": 0,
+    "scenes": [{{"nodes": [{0}{1}]}}], "nodes": [{2} {{"name": "mirror", "scale": [-1, 1, 1], "children": [{3}]}},
+      {{"name": "turned", "mesh": 0, "rotation": [0, 0.6, 0, 0.8]}}],
+    "materials": [{{"doubleSided": true}}], "buffers": [{{"uri": "signs.bin", "byteLength": 36}}],
+    "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": 0}}]}}],
+    "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+    "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 1, 2],
+      "max": [2, 3, 4]}}]}})",
+                                                          roots, scales.size(), nodes, scales.size() + 1)));
+  const char* camera = R"({"type": "list", "cameras": [{"eye": [20, 0, 99], "target": [20, 0, 0],
+    "size": [640, 480]}]})";
+  const Outcome outcome =
+      latelight(batch(folder, {"--scenes", "signs.gltf", "--cameras", camera, "--formats", "boxes", "-o", "set"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const auto labels = nlohmann::json::parse(folder.read("set/boxes/000000.json"));
+  ASSERT_EQ(labels["objects"].size(), scales.size() + 1);
+  for (const auto& object : labels["objects"]) {
+    const std::string node = object["node"];
+    const bool isTurned = node == "/mirror/turned";
+    const auto i = isTurned ? 1 : static_cast<size_t>(node.back() - '0');
+    const glm::dvec3 center = scales[i] * glm::dvec3(1, 2, 3), size = 2.0 * glm::abs(scales[i]);
+    // Half the angle has the sine 0.6: the angle the cosine 0.28 and the sine 0.96. The mirror turns it around.
+    const glm::dmat3 rotation = isTurned ? glm::dmat3(0.28, 0, 0.96, 0, 1, 0, -0.96, 0, 0.28) : glm::dmat3(1);
+    const glm::dvec3 position = rotation * center + glm::dvec3(isTurned ? 0.0 : 8.0 * double(i), 0, 0);
+    const auto& box = object["box"];
+    for (int row = 0; row < 3; ++row) {
+      const auto r = static_cast<size_t>(row);
+      for (int column = 0; column < 3; ++column)
+        EXPECT_NEAR(box["toWorld"][r][static_cast<size_t>(column)], rotation[column][row], 1e-6) << node;
+      EXPECT_NEAR(box["toWorld"][r][3], position[row], 1e-5) << node;
+      EXPECT_NEAR(box["center"][r], center[row], 1e-5) << node;
+      EXPECT_NEAR(box["size"][r], size[row], 1e-5) << node;
+    }
+  }
+}
+
 // "none" is the absence of an environment, as for --hdri.
 TEST(VariationsOfABatch, MayDrawNoEnvironment) {
   Folder folder;

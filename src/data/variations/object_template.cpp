@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "data/cameras/target.h"
 #include "scene/load/load.h"
+#include "scene/objects.h"
 #include "shared/light.h"
 
 namespace latelight::data {
@@ -108,6 +109,7 @@ ObjectTemplate readTemplate(Spec& spec, const VariationContext& context) {
       object.parts.push_back({instance.mesh, instance.material, instance.toWorld});
     }
     object.copy = {.node = onlyNode(scene, object.name)};
+    if (!instances.empty()) object.copy->scaleSigns = scene::objectScaleSigns(scene, {instances.data(), 1});
   }
   object.box = boxAround(scene, object.parts);
   if (object.parts.empty() || !(object.box.half[0].x >= 0))
