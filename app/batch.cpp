@@ -143,10 +143,16 @@ std::string_view nameOfSignal(int signal) {
   return signal == SIGINT ? "SIGINT" : "SIGTERM";
 }
 
+// Returns the reason of a failure with the name of the frame or scene, which begins the reasons of most scenes.
+std::string sentenceOf(const data::FailedFrame& failure) {
+  const auto& [name, why] = failure;
+  return why.starts_with(name + ": ") ? why : fmt::format("{}: {}", name, why);
+}
+
 void report(const data::BatchResult& result, const std::string& folder) {
   size_t warnings = 0;
-  for (const auto& [name, why] : result.failed)
-    if (++warnings <= 20) warn("{}: {}", name, why);
+  for (const auto& failure : result.failed)
+    if (++warnings <= 20) warn("{}", sentenceOf(failure));
   if (warnings > 20) warn("{} more failed: see latelight batch status {}", warnings - 20, folder);
   const uint64_t missing = result.frames - result.finished;
   if (result.signal)
@@ -202,7 +208,7 @@ void runBatch(const BatchArguments& a) {
 
 void printStatus(const std::string& folder) {
   const data::SetStatus status = data::readStatus(data::SetFolder(folder));
-  for (const auto& [name, why] : status.manifest.failed) fmt::print("{}: {}\n", printable(name), printable(why));
+  for (const auto& failure : status.manifest.failed) fmt::print("{}\n", printable(sentenceOf(failure)));
   fmt::print("{} of {} frames are finished\n", status.manifest.frames.size(), status.frames);
   if (status.missing() > 0) throw Exit{ExitCode::SomeFramesFailed};
 }
