@@ -144,10 +144,16 @@ std::string_view nameOfSignal(int signal) {
   return signal == SIGINT ? "SIGINT" : "SIGTERM";
 }
 
+// Returns the reason of a failure with the name of the frame or scene, which begins the reasons of most scenes.
+std::string sentenceOf(const data::FailedFrame& failure) {
+  const auto& [name, why] = failure;
+  return why.starts_with(name + ": ") ? why : fmt::format("{}: {}", name, why);
+}
+
 void report(const data::BatchResult& result, const std::string& folder) {
   size_t warnings = 0;
-  for (const auto& [name, why] : result.failed)
-    if (++warnings <= 20) warn("{}: {}", name, why);
+  for (const auto& failure : result.failed)
+    if (++warnings <= 20) warn("{}", sentenceOf(failure));
   if (warnings > 20) warn("{} more failed: see latelight batch status {}", warnings - 20, folder);
   const uint64_t missing = result.frames - result.finished;
   if (result.signal)
@@ -211,8 +217,7 @@ void printStatus(const BatchArguments& a) {
   for (const std::string& folder : a.folders) {
     const data::SetStatus status = data::readStatus(data::SetFolder(folder));
     const std::string before = nameBefore(folder, a);
-    for (const auto& [name, why] : status.manifest.failed)
-      fmt::print("{}{}: {}\n", before, printable(name), printable(why));
+    for (const auto& failure : status.manifest.failed) fmt::print("{}{}\n", before, printable(sentenceOf(failure)));
     fmt::print("{}{} of {} frames are finished\n", before, status.manifest.frames.size(), status.frames);
     isComplete = isComplete && status.missing() == 0;
   }
@@ -242,7 +247,7 @@ void verify(const BatchArguments& a) {
 }
 
 // Rejects a job and its options before the subcommand, because `batch` does not run then.
-void refuseJob(const CLI::App& batch, const std::string& command) {
+void rejectJob(const CLI::App& batch, const std::string& command) {
   for (const CLI::Option* option : batch.get_options())
     if (option->count() > 0)
       badUsage("batch {} accepts no job and no options of a job: omit {}", command,
@@ -270,7 +275,7 @@ CLI::App* addFolderCommand(CLI::App& batch, const std::shared_ptr<BatchArguments
   addQuietFlag(*command);
   command->add_option("FOLDER", a->folder, "Folder of the data set; status and verify accept several")->required();
   command->callback([a, run, &batch, command] {
-    refuseJob(batch, command->get_name());
+    rejectJob(batch, command->get_name());
     a->folders = moreFolders(*command);
     a->folders.insert(a->folders.begin(), a->folder);
     run(*a);

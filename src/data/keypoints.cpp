@@ -26,17 +26,11 @@ std::vector<ObjectKeypoint> readKeypoints(const nlohmann::ordered_json& list, co
   return keypoints;
 }
 
-namespace {
-
-bool isAtOrBelow(const std::string& path, const std::string& node) {
-  return path == node || path.starts_with(node + "/");
-}
-
-}  // namespace
-
 KeypointNodes::KeypointNodes(const scene::Scene& scene, const std::vector<ObjectKeypoint>& keypoints)
     : keypoints_(keypoints) {
   for (const scene::Node& node : scene.nodes) paths_.insert(node.path);
+  for (const auto& [node, copy] : scene.nodeCopies)
+    if (copy.node >= 0) originals_[scene.nodes[node].path] = scene.nodes[static_cast<size_t>(copy.node)].path;
   for (const ObjectKeypoint& keypoint : keypoints) {
     const int node = keypoint.node.starts_with('/') ? labels::findNode(scene, keypoint.node) : -1;
     ids_.push_back(node < 0 ? std::set<uint32_t>() : labels::objectsOfNode(scene, static_cast<uint32_t>(node)));
@@ -51,7 +45,9 @@ std::optional<std::string> KeypointNodes::of(const output::IdEntry& object, size
     const bool isCopied = object.copy && node == object.node;  // each copy has an id of its own
     return isBelow || isCopied || ids_[i].contains(object.id) ? std::optional(node) : std::nullopt;
   }
-  const std::string path = node.empty() ? object.node : object.node + "/" + node;
+  const auto original = originals_.find(object.node);
+  const std::string& own = original == originals_.end() ? object.node : original->second;
+  const std::string path = node.empty() ? own : own + "/" + node;
   return paths_.contains(path) ? std::optional(path) : std::nullopt;
 }
 
@@ -66,8 +62,7 @@ KeypointsOfObjects keypointsOfObjects(render::Renderer& renderer, const scene::S
     for (size_t i = 0; i < keypoints.size(); ++i) {
       std::optional<std::string> node = nodes.of(entry, i);
       if (!node) continue;
-      const uint32_t copy = entry.copy && isAtOrBelow(*node, entry.node) ? entry.id : 0;
-      points.push_back({keypoints[i].name, std::move(*node), keypoints[i].position, keypoints[i].thickness, copy});
+      points.push_back({keypoints[i].name, std::move(*node), keypoints[i].position, keypoints[i].thickness, entry.id});
       owners.emplace_back(entry.id, i);
     }
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -37,12 +38,14 @@ constexpr std::string_view kKeypointNodeHelp =
 class KeypointNodes {
  public:
   KeypointNodes(const scene::Scene& scene, const std::vector<ObjectKeypoint>& keypoints);
-  // Returns the path of the node of keypoint i on an object, or nothing if the object lacks it.
+  // Returns the path of the node of keypoint i on an object, or nothing if the object lacks it. On a copy of a part of
+  // the scene it is the node of the original.
   std::optional<std::string> of(const output::IdEntry& object, size_t i) const;
 
  private:
   const std::vector<ObjectKeypoint>& keypoints_;
   std::unordered_set<std::string> paths_;
+  std::unordered_map<std::string, std::string> originals_;  // paths of copied nodes by those of their copies
   std::vector<std::set<uint32_t>> ids_;  // per keypoint, the objects that a path in the scene belongs to
 };
 

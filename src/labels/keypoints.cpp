@@ -38,10 +38,33 @@ Instances instancesOfJoint(const scene::Scene& scene, uint32_t node) {
   return instances;
 }
 
-std::optional<uint32_t> instanceOfCopy(const scene::Scene& scene, uint32_t id) {
+// Returns those instances that were not added as copies of a part of the scene.
+Instances originalsOf(const scene::Scene& scene, Instances instances) {
+  std::erase_if(instances, [&](uint32_t i) { return scene.nodeCopies.contains(scene.instances[i].node); });
+  return instances;
+}
+
+Instances instancesOfObject(const scene::Scene& scene, uint32_t id) {
+  Instances instances;
   for (uint32_t i = 0; i < scene.instances.size(); ++i)
-    if (scene.instances[i].id == id && scene.instances[i].copy >= 0 && !scene.instances[i].removed) return i;
-  return std::nullopt;
+    if (scene.instances[i].id == id && !scene.instances[i].removed) instances.push_back(i);
+  return instances;
+}
+
+bool isAtOrBelow(const scene::Scene& scene, uint32_t node, uint32_t above) {
+  for (int i = static_cast<int>(node); i >= 0; i = scene.nodes[static_cast<size_t>(i)].parent)
+    if (static_cast<uint32_t>(i) == above) return true;
+  return false;
+}
+
+// Returns true if a skin of the copy's meshes moves the node. All other parts of copies stay at rest.
+bool isPosedInCopy(const scene::Scene& scene, const Instances& copy, uint32_t node) {
+  const Instances skinned = instancesOfJoint(scene, node);
+  if (std::ranges::any_of(skinned, [&](uint32_t i) { return std::ranges::find(copy, i) != copy.end(); })) return true;
+  const auto isRigid = [&](const scene::Instance& i) { return i.node == node && !i.posed; };
+  const int parent = scene.nodes[node].parent;
+  return parent >= 0 && std::ranges::none_of(scene.instances, isRigid) &&
+         isPosedInCopy(scene, copy, static_cast<uint32_t>(parent));
 }
 
 // The transforms of nodes in the world. Edits and worlds place instances, not their nodes, so a node follows the
@@ -62,8 +85,8 @@ class NodeTransforms {
     if (worlds.count > 0 && !worlds.deformations.joints.empty() && !isEmpty)
       pose_ = worlds.deformations.poseIn(world, scene, pose_);
   }
-  // `skinned`: instancesOfJoint() of the node. The node follows its own instances, or those that it is a joint of, or
-  // those of the nearest ancestor: the ancestor's own, or all below it.
+  // `skinned`: instances that the node is a joint of. The node follows its own instances, or those that it is a joint
+  // of, or those of the nearest ancestor: the ancestor's own, or all below it.
   glm::dmat4 of(uint32_t node, std::span<const uint32_t> skinned) const {
     const glm::dmat4 unplaced = scene::nodeToWorld(scene_, pose_, node);
     if (toWorld_.empty()) return unplaced;
@@ -81,8 +104,14 @@ class NodeTransforms {
     return unplaced;
   }
 
-  // Returns the transform of a node that moves with a copy, an instance of the node or of a node above it.
-  glm::dmat4 withCopy(uint32_t copy, uint32_t node) const {
+  // Returns the transform of a node in an added copy of a part of the scene.
+  glm::dmat4 inCopy(const scene::NodeCopy& copy, uint32_t node, bool isPosed) const {
+    return copy.displacement * scene::nodeToWorld(scene_, isPosed ? pose_ : scene::Pose(), node);
+  }
+
+  // Returns the transform of a node that moves with an instance by EXT_mesh_gpu_instancing of the node or of a node
+  // above it.
+  glm::dmat4 withInstance(uint32_t copy, uint32_t node) const {
     const glm::dmat4 copyToWorld = !toWorld_.empty()       ? toWorld_[copy]
                                    : instancePose_.empty() ? scene_.instances[copy].toWorld
                                                            : scene::followedToWorld(scene_, instancePose_, copy);
@@ -184,6 +213,54 @@ class KeypointView {
   glm::dmat4 cameraFromFrame_;
 };
 
+// The node, instance or copy that a keypoint follows.
+class Anchor {
+ public:
+  // `object`: Keypoint::object.
+  Anchor(const scene::Scene& scene, uint32_t node, uint32_t object) : node_(node) {
+    const Instances own = object != 0 ? instancesOfObject(scene, object) : Instances();
+    if (!own.empty() && followCopy(scene, own)) {
+      ids_ = {object};
+      return;
+    }
+    skinned_ = originalsOf(scene, instancesOfJoint(scene, node));
+    ids_ = {scene.nodes[node].id};
+    for (const uint32_t i : skinned_) ids_.insert(scene.instances[i].id);
+    // Nodes with the meshes of one skin may have been moved differently.
+    const auto isOfOthers = [&](uint32_t i) { return std::ranges::find(own, i) == own.end(); };
+    if (!std::ranges::all_of(skinned_, isOfOthers)) std::erase_if(skinned_, isOfOthers);
+  }
+
+  glm::dmat4 toWorld(const NodeTransforms& nodes) const {
+    if (instance_) return nodes.withInstance(*instance_, node_);
+    if (copy_) return nodes.inCopy(*copy_, node_, isPosed_);
+    return nodes.of(node_, skinned_);
+  }
+  bool isOf(uint32_t id) const { return ids_.contains(id); }
+
+ private:
+  // Returns false if the object is not a copy, or if it does not copy the node.
+  bool followCopy(const scene::Scene& scene, const Instances& object) {
+    const scene::Instance& first = scene.instances[object.front()];
+    if (first.copy >= 0 && first.id != scene.nodes[first.node].id) {
+      if (isAtOrBelow(scene, node_, first.node)) instance_ = object.front();
+      return instance_.has_value();
+    }
+    const auto copy = scene.nodeCopies.find(first.node);
+    if (copy == scene.nodeCopies.end() || node_ == first.node) return false;
+    copy_ = copy->second;
+    isPosed_ = isPosedInCopy(scene, object, node_);
+    return true;
+  }
+
+  uint32_t node_;
+  std::optional<uint32_t> instance_;  // by EXT_mesh_gpu_instancing
+  std::optional<scene::NodeCopy> copy_;
+  bool isPosed_ = false;    // with copy_: the node follows the pose
+  Instances skinned_;       // the instances that the node is a joint of
+  std::set<uint32_t> ids_;  // the objects that the keypoint belongs to
+};
+
 class KeypointProjector {
  public:
   KeypointProjector(const scene::Scene& scene, const render::Settings& settings, std::span<const Keypoint> keypoints)
@@ -193,10 +270,7 @@ class KeypointProjector {
       if (node < 0)
         badUsage("the keypoint \"{}\" follows the node \"{}\", but the scene has no node with this path", keypoint.name,
                  keypoint.node);
-      nodes_.push_back(static_cast<uint32_t>(node));
-      skinned_.push_back(instancesOfJoint(scene, nodes_.back()));
-      copies_.push_back(keypoint.copy != 0 ? instanceOfCopy(scene, keypoint.copy) : std::nullopt);
-      ids_.push_back(copies_.back() ? std::set{keypoint.copy} : objectsOfNode(scene, nodes_.back()));
+      anchors_.emplace_back(scene, static_cast<uint32_t>(node), keypoint.object);
     }
   }
 
@@ -210,14 +284,13 @@ class KeypointProjector {
 
   // Returns the keypoint in a view, without its visibility. `nodes`: at the time of the view.
   ProjectedKeypoint at(size_t i, const KeypointView& view, const NodeTransforms& nodes) const {
-    const glm::dmat4 toWorld = copies_[i] ? nodes.withCopy(*copies_[i], nodes_[i]) : nodes.of(nodes_[i], skinned_[i]);
-    return view.project(glm::dvec3(toWorld * glm::dvec4(keypoints_[i].position, 1)));
+    return view.project(glm::dvec3(anchors_[i].toWorld(nodes) * glm::dvec4(keypoints_[i].position, 1)));
   }
 
   KeypointVisibility visibility(size_t keypoint, const Sight& sight) const {
     if (sight.clipped) return KeypointVisibility::Outside;
     const bool within =
-        sight.distance - sight.hit <= keypoints_[keypoint].thickness && ids_[keypoint].contains(sight.id);
+        sight.distance - sight.hit <= keypoints_[keypoint].thickness && anchors_[keypoint].isOf(sight.id);
     return std::isinf(sight.hit) || within ? KeypointVisibility::Visible : KeypointVisibility::Occluded;
   }
 
@@ -225,10 +298,7 @@ class KeypointProjector {
   const scene::Scene& scene_;
   const render::Settings& settings_;
   std::span<const Keypoint> keypoints_;
-  std::vector<uint32_t> nodes_;
-  std::vector<Instances> skinned_;               // instances that each keypoint's node is a joint of
-  std::vector<std::optional<uint32_t>> copies_;  // the instance of each keypoint's copy; empty: it follows the node
-  std::vector<std::set<uint32_t>> ids_;          // objects of each keypoint's node or copy
+  std::vector<Anchor> anchors_;  // by keypoint
 };
 
 // Keypoints of an image with a rolling shutter: each of them is where its row shows it, at the time of this row.

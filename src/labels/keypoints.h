@@ -17,9 +17,9 @@ struct Keypoint {
   glm::dvec3 position{0};  // in the node's frame, before the node's scale
   // Meters that the keypoint's own object may be in front of it, as flesh is in front of a joint.
   double thickness = 0;
-  // The id of a copy by EXT_mesh_gpu_instancing of the node or of a node above it, which the keypoint moves with; 0: it
-  // moves with the node itself.
-  uint32_t copy = 0;
+  // The id of the object that the keypoint moves with, which may be a copy of the node, of a node above it or of a mesh
+  // that the node is a joint of; 0: it moves with the node itself.
+  uint32_t object = 0;
 };
 
 enum class KeypointVisibility : uint8_t {

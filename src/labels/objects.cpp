@@ -42,7 +42,8 @@ class Boxes {
 
   Object around(uint32_t id, const Instances& instances) const {
     Object object{.id = id};
-    object.toWorld = scene::rigidOf(fromWorld_ * scene::objectToWorld(scene_, pose_, toWorld_, instances));
+    object.toWorld = scene::rigidOf(fromWorld_ * scene::objectToWorld(scene_, pose_, toWorld_, instances),
+                                    scene::objectScaleSigns(scene_, instances));
     scene::Extent extent;
     for (const uint32_t i : instances) {
       const glm::dmat4 place = glm::inverse(object.toWorld) * fromWorld_ * toWorld_[i];

@@ -62,6 +62,7 @@ uint32_t addNode(Scene& scene, const std::string& name, const std::string& mesh,
 void removeNode(Scene& scene, uint32_t index) {
   idsOf(scene).nodes.release(scene.nodes[index].id, scene.nodes[index].path);
   scene.nodes[index] = {};
+  scene.nodeCopies.erase(index);
   scene.edits.freeNodes.push_back(index);
 }
 
@@ -130,7 +131,8 @@ uint32_t addInstance(Scene& scene, uint32_t mesh, uint32_t material, const dmat4
   return addObject(scene, {&part, 1}, name).front();
 }
 
-std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts, const std::string& name) {
+std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts, const std::string& name,
+                                const std::optional<NodeCopy>& copy) {
   if (parts.empty()) badUsage("an object without meshes can't be added");
   for (const ObjectPart& part : parts) {
     present(scene.meshes, part.mesh, "mesh");
@@ -143,6 +145,7 @@ std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts,
   std::ranges::replace(own, '/', '.');  // mesh names of primitives contain slashes
   const uint32_t node = addNode(scene, own, meshName, parts[0].toWorld);
   scene.nodes[node].added = static_cast<uint32_t>(parts.size());
+  if (copy) scene.nodeCopies[node] = *copy;
   std::vector<uint32_t> added;
   for (uint32_t i = 0; i < parts.size(); ++i) {
     Instance instance{.mesh = parts[i].mesh,

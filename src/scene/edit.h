@@ -6,6 +6,7 @@
 // The scene is then unchanged.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,12 +24,14 @@ void setMaterialOf(Scene& scene, uint32_t instance, uint32_t material);
 // mesh's name.
 uint32_t addInstance(Scene& scene, uint32_t mesh, uint32_t material, const dmat4& toWorld,
                      const std::string& name = "");
-// Adds several instances at one such node, so that they share one id. Returns their indices.
+// Adds several instances at one such node, so that they share one id. Returns their indices. `copy`: the parts copy a
+// part of the scene.
 struct ObjectPart {
   uint32_t mesh = 0, material = 0;
   dmat4 toWorld{1};
 };
-std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts, const std::string& name);
+std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts, const std::string& name,
+                                const std::optional<NodeCopy>& copy = {});
 void removeInstance(Scene& scene, uint32_t instance);
 // Restores a removed instance that was loaded with the scene to its original state, unless its mesh or material has
 // been removed since. Handles to it stay invalid.

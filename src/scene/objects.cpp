@@ -59,10 +59,56 @@ double reachOf(const dmat4& m) {
   return glm::length(dvec3(m[3]));
 }
 
+// Negative if the transform mirrors. The determinant of a flat transform has no sign, because it is 0 up to rounding.
+double handednessOf(const dmat4& m) {
+  constexpr double kFlat = 1e-12;
+  const double lengths = glm::length(dvec3(m[0])) * glm::length(dvec3(m[1])) * glm::length(dvec3(m[2]));
+  const double determinant = glm::determinant(glm::dmat3(m));
+  return std::abs(determinant) > kFlat * lengths ? determinant : 0;
+}
+
+constexpr dvec3 kMirrored(-1, 1, 1);  // for matrices, which do not state which axis they mirror
+
+// The node as its file or an edit states it; null if only its matrix is known.
+const RigNode* statedNode(const Scene& scene, uint32_t node) {
+  if (node < scene.rig.sceneNodes.size()) return &scene.rig.nodes[scene.rig.sceneNodes[node]];
+  return node < scene.fileNodes.size() ? &scene.fileNodes[node] : nullptr;
+}
+
+dvec3 scaleSignsOf(const Scene& scene, uint32_t node) {
+  const RigNode* stated = statedNode(scene, node);
+  if (stated && !stated->hasMatrix) return glm::mix(dvec3(1), dvec3(-1), glm::lessThan(stated->scale, dvec3(0)));
+  return handednessOf(stated ? stated->matrix : scene.nodes[node].local) < 0 ? kMirrored : dvec3(1);
+}
+
+// Returns true if all instances are those of one node, or of one copy of it.
+bool areOfOneNode(const Scene& scene, std::span<const uint32_t> instances) {
+  const Instance& first = scene.instances[instances.front()];
+  return std::ranges::all_of(instances, [&](uint32_t i) {
+    return scene.instances[i].node == first.node && scene.instances[i].copy == first.copy;
+  });
+}
+
 }  // namespace
 
-dmat4 rigidOf(const dmat4& m) {
-  dvec3 x(m[0]), y(m[1]);
+dvec3 objectScaleSigns(const Scene& scene, std::span<const uint32_t> instances) {
+  const Instance& first = scene.instances[instances.front()];
+  const bool isOne = areOfOneNode(scene, instances);
+  dvec3 signs(1);
+  if (isOne && first.posed) return signs;  // joints move it
+  if (const auto copy = scene.nodeCopies.find(first.node); copy != scene.nodeCopies.end())
+    return copy->second.scaleSigns;
+  for (int i = static_cast<int>(isOne ? first.node : topmost(scene, first.node)); i >= 0;
+       i = scene.nodes[static_cast<size_t>(i)].parent)
+    signs *= scaleSignsOf(scene, static_cast<uint32_t>(i));
+  return signs;
+}
+
+dmat4 rigidOf(const dmat4& m, dvec3 scaleSigns) {
+  const double handedness = handednessOf(m);
+  // An edit, a copy or an animation may mirror the object in another way than its nodes.
+  if (handedness * scaleSigns.x * scaleSigns.y * scaleSigns.z < 0) scaleSigns = handedness < 0 ? kMirrored : dvec3(1);
+  dvec3 x(dvec3(m[0]) * scaleSigns.x), y(dvec3(m[1]) * scaleSigns.y);
   if (!(glm::length(x) > 0)) x = {1, 0, 0};
   x = glm::normalize(x);
   y -= glm::dot(x, y) * x;
@@ -102,11 +148,8 @@ std::optional<dmat4> commonDisplacement(const Scene& scene, const Pose& pose, st
 
 dmat4 objectToWorld(const Scene& scene, const Pose& pose, std::span<const dmat4> toWorld,
                     std::span<const uint32_t> instances) {
+  if (areOfOneNode(scene, instances)) return toWorld[instances.front()];
   const Instance& first = scene.instances[instances.front()];
-  const bool one = std::ranges::all_of(instances, [&](uint32_t i) {
-    return scene.instances[i].node == first.node && scene.instances[i].copy == first.copy;
-  });
-  if (one) return toWorld[instances.front()];
   const dmat4 displacement = commonDisplacement(scene, pose, toWorld, instances).value_or(dmat4(1));
   return displacement * nodeToWorld(scene, pose, topmost(scene, first.node));
 }
@@ -129,7 +172,8 @@ std::vector<RestFrame> restFrames(const Scene& scene) {
   const std::vector<dmat4> toWorld = instanceTransforms(scene, {});
   std::vector<RestFrame> frames(scene.instances.size());
   for (const auto& [id, instances] : objects) {
-    const dmat4 objectFromWorld = glm::inverse(rigidOf(objectToWorld(scene, {}, toWorld, instances)));
+    const dmat4 objectFromWorld =
+        glm::inverse(rigidOf(objectToWorld(scene, {}, toWorld, instances), objectScaleSigns(scene, instances)));
     Extent box;
     for (const uint32_t i : instances) {
       frames[i].objectFromMesh = objectFromWorld * toWorld[i];

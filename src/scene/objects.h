@@ -21,8 +21,9 @@ struct Extent {
 };
 
 // Returns the rotation and translation of an affine transform. Scale, shear and mirroring are dropped: they are part of
-// the coordinates in an object's frame.
-dmat4 rigidOf(const dmat4& m);
+// the coordinates in an object's frame. `scaleSigns`: 1 or -1 for each axis, the signs of the scale. If they do not
+// agree with the transform, it has no scale below 0, except for that of x if it mirrors.
+dmat4 rigidOf(const dmat4& m, dvec3 scaleSigns);
 
 // Returns a node's transform in the world, in a pose. Edits move instances, not their nodes.
 dmat4 nodeToWorld(const Scene& scene, const Pose& pose, uint32_t node);
@@ -41,6 +42,9 @@ std::optional<dmat4> commonDisplacement(const Scene& scene, const Pose& pose, st
 // rigidOf() of the result is the object's own frame.
 dmat4 objectToWorld(const Scene& scene, const Pose& pose, std::span<const dmat4> toWorld,
                     std::span<const uint32_t> instances);
+// Returns the signs of the scales of this node and of those above it, multiplied: with them, the object's own frame has
+// the rotations that the nodes state.
+dvec3 objectScaleSigns(const Scene& scene, std::span<const uint32_t> instances);
 
 // Extends the box by the vertices of a mesh at rest, transformed.
 void addMesh(Extent& extent, const Mesh& mesh, const dmat4& transform);

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -204,6 +205,13 @@ struct SceneEdits {
 
 struct Environment;
 
+// An added node that copies part of the scene, at rest. Skins deform the copies of their meshes, too.
+struct NodeCopy {
+  int node = -1;          // the node that is copied with all nodes below it; -1: several
+  dmat4 displacement{1};  // in the world, from the original to the copy; it does not mirror
+  dvec3 scaleSigns{1};    // of the original of the first part (objects.h)
+};
+
 // The material of an instance in a variant that changes it (KHR_materials_variants).
 struct VariantMaterial {
   uint32_t variant = 0;  // index into Scene::variants
@@ -229,6 +237,7 @@ struct Scene {
   // `nodes`. Edits that extend the rig to all nodes (rig_edit.h) move them there.
   std::vector<RigNode> fileNodes;
   std::shared_ptr<const Environment> environment;  // the file's own, or null
+  std::map<uint32_t, NodeCopy> nodeCopies;         // by added node
   SceneEdits edits;
   MemoryClaim memory;  // memory that the scene's data claim (base/memory.h)
 

@@ -30,13 +30,15 @@ TEST(Failures, ABrokenSceneAmongGoodOnesIsMadeOnceItIsRepaired) {
   };
   const Outcome outcome = latelight(job("set", {}));
   EXPECT_EQ(outcome.code, 6) << outcome.text();
-  EXPECT_THAT(outcome.err, HasSubstr("b.gltf"));
+  EXPECT_THAT(outcome.err, HasSubstr("b.gltf: "));
+  EXPECT_THAT(outcome.err, testing::Not(HasSubstr("b.gltf: b.gltf")));
   EXPECT_THAT(outcome.err, HasSubstr("2 of 6 frames were not made"));
   EXPECT_TRUE(fs::exists(folder.path() / "set/000005.png"));
   EXPECT_FALSE(fs::exists(folder.path() / "set/000002.png"));
   const Outcome status = latelight({.arguments = {"batch", "status", "set"}, .folder = folder.path()});
   EXPECT_EQ(status.code, 6);
-  EXPECT_THAT(status.out, HasSubstr("b.gltf: "));
+  EXPECT_THAT(status.out, testing::StartsWith("b.gltf: "));
+  EXPECT_THAT(status.out, testing::Not(HasSubstr("b.gltf: b.gltf")));
 
   folder.write("b.gltf", std::string_view(kCameraAlone));
   const Outcome resumed = latelight(job("set", {"--resume"}));
@@ -44,6 +46,22 @@ TEST(Failures, ABrokenSceneAmongGoodOnesIsMadeOnceItIsRepaired) {
   EXPECT_THAT(folder.read("set/.latelight/log"), HasSubstr("begins: 2 of 6 frames"));
   EXPECT_EQ(latelight(job("undisturbed", {})).code, 0);
   expectSame(filesOf(folder, "set"), filesOf(folder, "undisturbed"));
+}
+
+// No frame of the job can ever be rendered, whichever scene is first.
+TEST(Failures, AUnitForAScenesThatDefinesItIsAUsageError) {
+  Folder folder;
+  folder.write("a.gltf", std::string_view(kCameraAlone));
+  folder.write("b.stl", std::string_view("solid b\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+                                         "vertex 0 1 0\nendloop\nendfacet\nendsolid b\n"));
+  for (const std::vector<std::string>& scenes : {std::vector<std::string>{"a.gltf", "b.stl"}, {"b.stl", "a.gltf"}})
+    for (const bool isDry : {true, false}) {
+      std::vector<std::string> job{"--scenes", scenes[0], "--scenes", scenes[1], "--unit", "mm", "-o", "set"};
+      if (isDry) job.emplace_back("--dry-run");
+      const Outcome outcome = latelight(batch(folder, job));
+      EXPECT_EQ(outcome.code, 2) << outcome.text();
+      EXPECT_THAT(outcome.err, HasSubstr("a.gltf defines its unit and axes"));
+    }
 }
 
 TEST(Failures, WhatIsMissingMayBeLeftOut) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <glm/mat4x4.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -125,6 +126,176 @@ TEST(FormatsOfABatch, KeypointsOfCopiesMoveWithThem) {
       EXPECT_NEAR(keypoint["position"][1], keypoint["name"] == "below" ? 0.25 : 0, 1e-6) << node << keypoint["name"];
       EXPECT_EQ(keypoint["visibility"], 2) << node << keypoint["name"];
     }
+}
+
+// A person with a hat, and a body that a hip moves by 1 m along X in 1 s. `rig`: the hip is below this node, which is
+// the person or a root next to it.
+std::string personFile(const std::string& rig) {
+  const bool isOwn = rig == "person";
+  return fmt::format(R"({{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [{}]}}],
+    "nodes": [{{"name": "person", "children": [{}]}}, {{"name": "body", "mesh": 0, "skin": 0}},
+              {{"name": "hat", "mesh": 1, "translation": [0, 1, 0]}},
+              {{"name": "hip", "translation": [0, 0.25, 0], "children": [4]}},
+              {{"name": "tip", "translation": [0, 0.125, 0]}}, {{"name": "rig", "children": [{}]}}],
+    "skins": [{{"joints": [3]}}],
+    "animations": [{{"name": "walk", "samplers": [{{"input": 3, "output": 4}}],
+      "channels": [{{"sampler": 0, "target": {{"node": 3, "path": "translation"}}}}]}}],
+    "buffers": [{{"uri": "person.bin", "byteLength": 128}}],
+    "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}}}}]}},
+               {{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+    "bufferViews": [{{"buffer": 0, "byteLength": 36}}, {{"buffer": 0, "byteOffset": 36, "byteLength": 12}},
+                    {{"buffer": 0, "byteOffset": 48, "byteLength": 48}},
+                    {{"buffer": 0, "byteOffset": 96, "byteLength": 8}},
+                    {{"buffer": 0, "byteOffset": 104, "byteLength": 24}}],
+    "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-0.5, -0.5, 0],
+                    "max": [0.5, 0.5, 0]}},
+                  {{"bufferView": 1, "componentType": 5121, "count": 3, "type": "VEC4"}},
+                  {{"bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC4"}},
+                  {{"bufferView": 3, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]}},
+                  {{"bufferView": 4, "componentType": 5126, "count": 2, "type": "VEC3"}}]}})",
+                     isOwn ? "0" : "0, 5", isOwn ? "1, 2, 3" : "1, 2", isOwn ? "" : "3");
+}
+
+void writePerson(const Folder& folder, const std::string& rig) {
+  const float corners[] = {-0.5f, -0.5f, 0, 0.5f, -0.5f, 0, 0, 0.5f, 0};
+  const uint8_t joints[12] = {};
+  const float weights[] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, times[] = {0, 1}, hips[] = {0, 0.25f, 0, 1, 0.25f, 0};
+  std::string bytes;
+  const auto add = [&](const auto& values) { bytes.append(reinterpret_cast<const char*>(values), sizeof(values)); };
+  add(corners), add(joints), add(weights), add(times), add(hips);
+  folder.write("person.bin", std::string_view(bytes));
+  std::string file = personFile(rig);
+  if (const size_t empty = file.find(R"(, "children": [])"); empty != std::string::npos) file.erase(empty, 16);
+  folder.write("person.gltf", std::string_view(file));
+}
+
+// Expects the keypoint of each object at the point of the original, mapped by the object's transform.
+void expectKeypoints(const nlohmann::json& labels, const std::map<std::string, glm::dmat4>& transforms,
+                     const std::map<std::string, glm::dvec3>& points) {
+  EXPECT_EQ(labels["objects"].size(), transforms.size());
+  for (const auto& object : labels["objects"]) {
+    const std::string node = object["node"];
+    ASSERT_TRUE(transforms.contains(node)) << node;
+    ASSERT_EQ(object["keypoints"].size(), points.size()) << node;
+    for (const auto& keypoint : object["keypoints"]) {
+      const std::string name = keypoint["name"];
+      const glm::dvec3 expected(transforms.at(node) * glm::dvec4(points.at(name), 1));
+      ASSERT_TRUE(keypoint["position"].is_array()) << node << " " << name;
+      for (int axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(keypoint["position"][static_cast<size_t>(axis)], expected[axis], 1e-5) << node << " " << name;
+    }
+  }
+}
+
+// The transforms of objects that a frame's manifest states, and the identity for the original.
+std::map<std::string, glm::dmat4> transformsOf(const nlohmann::json& scattered, const std::string& original) {
+  std::map<std::string, glm::dmat4> transforms{{original, glm::dmat4(1)}};
+  for (const auto& object : scattered["objects"]) {
+    glm::dmat4& transform = transforms[object["node"].get<std::string>()];
+    for (int i = 0; i < 16; ++i)
+      transform[i % 4][i / 4] = object["transform"][static_cast<size_t>(i / 4)][static_cast<size_t>(i % 4)];
+  }
+  return transforms;
+}
+
+constexpr const char* kPeopleCamera =
+    R"({"type": "list", "cameras": [{"eye": [0, 0, 15], "target": [0, 0, 0], "size": [320, 240]}]})";
+
+// The skin of a copy moves with the joints, and all of its other parts are at rest.
+TEST(FormatsOfABatch, KeypointsOfScatteredCopiesMoveWithThem) {
+  Folder folder;
+  writePerson(folder, "person");
+  const char* scatter = R"([{"type": "scatter", "objects": [{"node": "person"}], "count": 3, "min": [-3, -3, -3],
+    "max": [3, 3, 3], "turn": [-60, 60], "scale": [0.5, 1.5]}])";
+  const char* boxes = R"({"format": "boxes", "keypoints": [{"name": "own", "position": [0.5, 0, 0]},
+    {"name": "hip", "node": "hip"}, {"name": "tip", "node": "hip/tip"}, {"name": "hat", "node": "hat"},
+    {"name": "path", "node": "/person/hip", "position": [0, 0, 0.5]}]})";
+  const Outcome outcome =
+      latelight(batch(folder, {"--scenes", "person.gltf", "--cameras", kPeopleCamera, "--variations", scatter,
+                               "--id-depth", "0", "--formats", boxes, "--time", "0.5", "-o", "set"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const auto manifest = nlohmann::json::parse(folder.read("set/manifest.json"));
+  const auto transforms = transformsOf(manifest["frames"][0]["drawn"][0], "/person");
+  EXPECT_EQ(transforms.size(), 4u);
+  expectKeypoints(nlohmann::json::parse(folder.read("set/boxes/000000.json")), transforms,
+                  {{"own", {0.5, 0, 0}},
+                   {"hip", {0.5, 0.25, 0}},
+                   {"tip", {0.5, 0.375, 0}},
+                   {"hat", {0, 1, 0}},
+                   {"path", {0.5, 0.25, 0.5}}});
+}
+
+// The joints of moved originals move with them, whether or not the scene has copies. "hip" is no joint of the hat.
+TEST(FormatsOfABatch, KeypointsOfMovedNodesWithScatteredCopies) {
+  Folder folder;
+  writePerson(folder, "rig");
+  const char* variations = R"([{"type": "transforms", "nodes": "NODE", "translation": [3, 2, 1]},
+    {"type": "scatter", "objects": [{"node": "person"}], "count": 2, "min": [-3, -3, -3], "max": [3, 3, 0],
+     "turn": [-60, 60]}])";
+  const char* boxes = R"({"format": "boxes", "keypoints": [{"name": "hip", "node": "/rig/hip"}]})";
+  for (const std::string node : {"person", "rig"}) {
+    std::string moved(variations);
+    moved.replace(moved.find("NODE"), 4, node);
+    const Outcome outcome =
+        latelight(batch(folder, {"--scenes", "person.gltf", "--cameras", kPeopleCamera, "--variations", moved,
+                                 "--id-depth", "0", "--formats", boxes, "--time", "0.5", "-o", node}));
+    ASSERT_EQ(outcome.code, 0) << outcome.text();
+    const auto manifest = nlohmann::json::parse(folder.read(node + "/manifest.json"));
+    auto transforms = transformsOf(manifest["frames"][0]["drawn"][1], "/person");
+    transforms["/person"][3] = {3, 2, 1, 1};
+    expectKeypoints(nlohmann::json::parse(folder.read(node + "/boxes/000000.json")), transforms,
+                    {{"hip", {0.5, 0.25, 0}}});
+  }
+}
+
+// The object's frame has the rotation that its nodes state, without their scale, also if that mirrors. The mesh's
+// center is (1, 2, 3), and the turned node's parent is mirrored from left to right.
+TEST(FormatsOfABatch, FramesOfMirroredObjectsHaveTheRotationsOfTheirNodes) {
+  Folder folder;
+  const float corners[] = {0, 1, 2, 2, 1, 2, 1, 3, 4};
+  folder.write("signs.bin", std::string_view(reinterpret_cast<const char*>(corners), sizeof(corners)));
+  const std::vector<glm::dvec3> scales{{1, 1, 1}, {-1, 1, 1}, {1, -2, 1}, {1, 1, -1}, {-1, -1, 1}, {-3, -1, -1}};
+  std::string nodes, roots;
+  for (size_t i = 0; i < scales.size(); ++i) {
+    const glm::dvec3& s = scales[i];
+    nodes += fmt::format(R"({{"name": "n{}", "mesh": 0, "translation": [{}, 0, 0], "scale": [{}, {}, {}]}},)", i, 8 * i,
+                         s.x, s.y, s.z);
+    roots += fmt::format("{}, ", i);
+  }
+  folder.write("signs.gltf", std::string_view(fmt::format(R"({{"asset": {{"version": "2.0"}}, "scene": 0,
+    "scenes": [{{"nodes": [{0}{1}]}}], "nodes": [{2} {{"name": "mirror", "scale": [-1, 1, 1], "children": [{3}]}},
+      {{"name": "turned", "mesh": 0, "rotation": [0, 0.6, 0, 0.8]}}],
+    "materials": [{{"doubleSided": true}}], "buffers": [{{"uri": "signs.bin", "byteLength": 36}}],
+    "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": 0}}]}}],
+    "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+    "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 1, 2],
+      "max": [2, 3, 4]}}]}})",
+                                                          roots, scales.size(), nodes, scales.size() + 1)));
+  const char* camera = R"({"type": "list", "cameras": [{"eye": [20, 0, 99], "target": [20, 0, 0],
+    "size": [640, 480]}]})";
+  const Outcome outcome =
+      latelight(batch(folder, {"--scenes", "signs.gltf", "--cameras", camera, "--formats", "boxes", "-o", "set"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const auto labels = nlohmann::json::parse(folder.read("set/boxes/000000.json"));
+  ASSERT_EQ(labels["objects"].size(), scales.size() + 1);
+  for (const auto& object : labels["objects"]) {
+    const std::string node = object["node"];
+    const bool isTurned = node == "/mirror/turned";
+    const auto i = isTurned ? 1 : static_cast<size_t>(node.back() - '0');
+    const glm::dvec3 center = scales[i] * glm::dvec3(1, 2, 3), size = 2.0 * glm::abs(scales[i]);
+    // Half the angle has the sine 0.6: the angle the cosine 0.28 and the sine 0.96. The mirror turns it around.
+    const glm::dmat3 rotation = isTurned ? glm::dmat3(0.28, 0, 0.96, 0, 1, 0, -0.96, 0, 0.28) : glm::dmat3(1);
+    const glm::dvec3 position = rotation * center + glm::dvec3(isTurned ? 0.0 : 8.0 * double(i), 0, 0);
+    const auto& box = object["box"];
+    for (int row = 0; row < 3; ++row) {
+      const auto r = static_cast<size_t>(row);
+      for (int column = 0; column < 3; ++column)
+        EXPECT_NEAR(box["toWorld"][r][static_cast<size_t>(column)], rotation[column][row], 1e-6) << node;
+      EXPECT_NEAR(box["toWorld"][r][3], position[row], 1e-5) << node;
+      EXPECT_NEAR(box["center"][r], center[row], 1e-5) << node;
+      EXPECT_NEAR(box["size"][r], size[row], 1e-5) << node;
+    }
+  }
 }
 
 // "none" is the absence of an environment, as for --hdri.

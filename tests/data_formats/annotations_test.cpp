@@ -55,8 +55,21 @@ TEST_F(AnnotationsTest, YoloBoxesAreSharesOfThePicture) {
                                    "1 0.87500000 0.18750000 0.25000000 0.37500000",    // cut
                                    "2 0.75000000 0.50000000 0.25000000 0.25000000"));  // front
   EXPECT_THAT(lines("data.yaml"),
-              ElementsAre("path: .", "train: images", "val: images", "names:", "  0: \"/squares/back\"",
+              ElementsAre("train: \"images\"", "val: \"images\"", "names:", "  0: \"/squares/back\"",
                           "  1: \"/squares/cut\"", "  2: \"/squares/front\""));
+}
+
+// Without "path", Ultralytics resolves the folders of images relative to that of the file.
+TEST_F(AnnotationsTest, YoloFindsItsPicturesFromAnyFolder) {
+  const auto train = [&](const std::string& picture, const std::string& file) {
+    write("yolo", {{"picture", picture}, {"file", file}});
+    return lines(file).at(0);
+  };
+  EXPECT_EQ(train("rgb/{name}.png", "data.yaml"), "train: \"rgb\"");
+  EXPECT_EQ(train("rgb/{name}.png", "y/data.yaml"), "train: \"../rgb\"");
+  EXPECT_EQ(train("y/images/{name}.png", "y/data.yaml"), "train: \"images\"");
+  EXPECT_EQ(train("{name}.png", "data.yaml"), "train: \".\"");
+  EXPECT_EQ(train("{name}.png", "y/data.yaml"), "train: \"..\"");
 }
 
 TEST_F(AnnotationsTest, YoloClassesOfRulesAreInTheirOrder) {
@@ -94,7 +107,7 @@ TEST_F(AnnotationsTest, YoloKeypointsAreSharesOfThePicture) {
   const bool isFirst = all[0].starts_with("0 ");
   expect(all[isFirst ? 0 : 1], {104 / 128.0, 52 / 128.0, 2, 108 / 128.0, 64 / 128.0, 2, 0, 0, 0});
   expect(all[isFirst ? 1 : 0], {80 / 128.0, 40 / 128.0, 2, 88 / 128.0, 64 / 128.0, 1, 0, 0, 0});
-  EXPECT_THAT(text("data.yaml"), HasSubstr("val: images\nkpt_shape: [3, 3]\nnames:\n"));
+  EXPECT_THAT(text("data.yaml"), HasSubstr("val: \"images\"\nkpt_shape: [3, 3]\nnames:\n"));
 }
 
 // Ultralytics expects the same number of values in every line.

@@ -334,6 +334,34 @@ TEST(TransformsTest, ApplyInOrder) {
   expectNear(footTurned.toFile("foot")[2], {1, 0, 0});
 }
 
+// The mesh is next to the topmost joint, not below it.
+TEST(TransformsTest, MoveSkinsWithTheirJoints) {
+  const std::string model = models::modelPath("skinned.glb").string();
+  const scene::Scene rest = scene::load(model);
+  const auto skinned =
+      static_cast<uint32_t>(std::ranges::find_if(rest.instances, &scene::Instance::posed) - rest.instances.begin());
+  ASSERT_LT(skinned, rest.instances.size());
+  const scene::Skin& skin = rest.rig.skins.at(0);
+  std::vector<std::string> joints;
+  for (size_t i = 0; i < rest.rig.sceneNodes.size(); ++i)
+    if (std::ranges::find(skin.joints, rest.rig.sceneNodes[i]) != skin.joints.end())
+      joints.push_back(rest.nodes[i].path);
+  const auto spec = [](const std::string& node) {
+    return R"([{"type": "transforms", "nodes": ")" + node + R"(", "translation": [5, 0, 0]}])";
+  };
+  Varied varied(spec(joints.front()), model);
+  varied.variations.apply(0);
+  const dmat4 before(rest.instances[skinned].toWorld), after(varied.scene.instances[skinned].toWorld);
+  expectNear(dvec3(after[3] - before[3]), {5, 0, 0});
+  try {
+    Varied bent(spec(joints.back()), model);
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::Usage);
+    EXPECT_THAT(error.what(), testing::StartsWith("variations[0].nodes: " + joints.back() + " moves only some joints"));
+  }
+}
+
 TEST(LightsTest, StateTheirPositionsAsDoubles) {
   scene::Scene scene = scene::load("builtin:hall,triangles=50k,lights=8");
   for (scene::Light& light : scene.lights) light.position.x += 1e8 + 0.3;

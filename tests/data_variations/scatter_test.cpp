@@ -4,6 +4,7 @@
 #include "data/random.h"
 #include "data/variations/oriented_box.h"
 #include "data_variations/support.h"
+#include "scene/objects.h"
 
 namespace latelight::data::test {
 namespace {
@@ -156,6 +157,32 @@ TEST(ScatterTest, TakesWholeFilesAsOneObject) {
       nearest =
           std::min(nearest, glm::length(boxOf(varied.scene, instance).centre - dvec3(placed.x, -placed.z, placed.y)));
   EXPECT_LT(nearest, 1e-5);
+}
+
+// A copy has the frame of its original, which a negative scale mirrors from front to back.
+TEST(ScatterTest, CopiesOfMirroredNodesHaveTheirFrames) {
+  const Folder folder;
+  const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 1};
+  folder.write("m.bin", std::string_view(reinterpret_cast<const char*>(corners), sizeof(corners)));
+  folder.write("m.gltf", std::string_view(R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+    "nodes": [{"name": "m", "mesh": 0, "scale": [1, 1, -2]}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "buffers": [{"uri": "m.bin", "byteLength": 36}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0],
+                   "max": [1, 1, 1]}]})"));
+  Varied varied(R"([{"type": "scatter", "objects": [{"node": "m"}], "count": 1, "min": [-9, -9, -9], "max": [9, 9, 9],
+      "turn": 0, "scale": 0.5}])",
+                folder.at("m.gltf"));
+  varied.variations.apply(0);
+  const scene::Scene& scene = varied.scene;
+  ASSERT_EQ(scene.instances.size(), 2u);
+  const std::vector<dmat4> toWorld = scene::instanceTransforms(scene, {});
+  for (const uint32_t instance : {0u, 1u}) {
+    const std::span<const uint32_t> object(&instance, 1);
+    const dmat4 frame = scene::toGltfFromWorld() * scene::rigidOf(scene::objectToWorld(scene, {}, toWorld, object),
+                                                                  scene::objectScaleSigns(scene, object));
+    for (int axis = 0; axis < 3; ++axis) EXPECT_LE(glm::length(frame[axis] - dmat4(1)[axis]), 1e-6) << instance << axis;
+  }
 }
 
 // A triangle at (3, 0, 0) with a point light 2 m above it, a spot light that shines along X, a disk, the sun, and a

@@ -235,8 +235,7 @@ TEST_F(SurfaceCoordinatesTest, AGroupHasOneFrame) {
     expectExact(compare(scene, camera, renderBy(raster, scene, camera), inGroup), 1500);
 }
 
-// Mirroring is part of the coordinates, since the frame is rigid: its X and Y follow the mesh's, and its Z is their
-// cross product.
+// Mirroring is part of the coordinates, because the frame is rigid. A matrix does not state the mirrored axis: it is X.
 TEST_F(SurfaceCoordinatesTest, AMirroredMeshHasARightHandedFrame) {
   scene::SceneBuilder builder("root");
   builder.scene.meshes = {sphereMesh(1)};
@@ -245,7 +244,7 @@ TEST_F(SurfaceCoordinatesTest, AMirroredMeshHasARightHandedFrame) {
   builder.addInstance("mirrored", builder.kRoot, 0, 0, glm::mat4(mirrored));
   builder.scene.instances.back().toWorld = scene::toWorldFromGltf() * mirrored;
   const scene::Camera camera = frontPerspective(0.8f, 4);
-  const auto expected = [](const scene::Instance&, dvec3 p) { return dvec3(1.2, 0.7, -0.9) * p; };
+  const auto expected = [](const scene::Instance&, dvec3 p) { return dvec3(-1.2, 0.7, 0.9) * p; };
   for (const Raster raster : {Raster::Hardware, Raster::Compute})
     expectExact(compare(builder.scene, camera, renderBy(raster, builder.scene, camera), expected), 1000);
 }

@@ -220,6 +220,8 @@ def test_labels_of_the_command(tmp_path):
         assert np.allclose(each["box"]["size"], labels.box_max[i] - labels.box_min[i])
         others = {labels.ids[j]: labels.occlusions[i, j] for j in range(len(labels.ids)) if labels.occlusions[i, j]}
         assert {int(key): value for key, value in each["occludes"].items()} == others
+        np.testing.assert_allclose(
+            each["box"]["center"], (labels.box_min[i] + labels.box_max[i]) / 2, atol=1e-6)
         for corner, expected in zip(each["box"]["corners"], labels.box_corners[i], strict=True):
             assert np.isnan(expected).all() if corner is None else np.allclose(corner, expected)
         (origin,) = each["keypoints"]

@@ -195,6 +195,8 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
                       d.value("allow-outside", Json()), d.value("id-depth", Json()), d.value("id-nodes", Json()),
                       d.value("unit", Json()), d.value("up-axis", Json()), d.value("point-radius", Json()),
                       d.value("options", Json()), d.value("formats", Json()), moves, pairs, job.seed, version()});
+  // The job states unit and axes for all scenes, whichever of them can be loaded.
+  for (const std::string& source : job.scenes) scene::checkFrame(source, job.load);
   const Json known = readSaved(saved);
   for (const std::string& source : job.scenes) {
     PlannedScene scene{.source = source};

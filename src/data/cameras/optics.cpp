@@ -30,15 +30,23 @@ double fthetaAngle(const Lens& lens, double r) {
   return std::clamp(angle, 0.0, 1.5);
 }
 
-Optics opticsOfFov(Spec& spec) {
+float usableFov(double angle) {
+  return std::clamp(static_cast<float>(angle), scene::kMinVerticalFov, scene::kMaxVerticalFov);
+}
+
+// Returns the key "fov" in radians.
+double readAngle(Spec& spec) {
   constexpr double kNormal = 40, kDegree = scene::builtin::kPi / 180;
-  const double degrees = spec.number("fov", {1e-7, 179.999}, kNormal);
+  return spec.number("fov", {1e-7, 179.999}, kNormal) * kDegree;
+}
+
+Optics opticsOfFov(Spec& spec) {
+  const double angle = readAngle(spec);
   const PictureSize size = readSize(spec);
   Optics optics{.width = size.width, .height = size.height};
-  optics.camera.verticalFov =
-      std::clamp(static_cast<float>(degrees * kDegree), scene::kMinVerticalFov, scene::kMaxVerticalFov);
+  optics.camera.verticalFov = usableFov(angle);
   const double aspect = size.height ? double(size.width) / size.height : 1;
-  optics.halfAngle = arcTangent(tangent(degrees * kDegree / 2) * std::min(1.0, aspect), 1);
+  optics.halfAngle = arcTangent(tangent(angle / 2) * std::min(1.0, aspect), 1);
   return optics;
 }
 
@@ -67,6 +75,10 @@ void readDistortion(Spec& spec, Lens& lens) {
 }
 
 }  // namespace
+
+float readFov(Spec& spec) {
+  return usableFov(readAngle(spec));
+}
 
 PictureSize readSize(Spec& spec, PictureSize normal) {
   if (!spec.has("size")) return normal;

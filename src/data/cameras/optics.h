@@ -17,6 +17,7 @@ struct Optics {
 // Reads the keys "fov", "K", "model", "distortion", "size", "pixelCentre", "aperture" and "focusDistance". The default
 // is a field of view of 40 degrees. K is in pixels of "size", or of `job` if there is no "size".
 Optics readOptics(Spec& spec, PictureSize job);
+float readFov(Spec& spec);                             // reads only "fov", and returns radians
 void readAperture(Spec& spec, scene::Camera& camera);  // reads only "aperture" and "focusDistance"
 bool hasOptics(Spec& spec);                            // true if one of these keys is present
 

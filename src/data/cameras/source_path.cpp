@@ -38,7 +38,7 @@ Keys readKeys(Spec& spec, const CameraContext& context, const Optics& optics) {
       badUsage("{} must be later than the key frame before", entry.pathOf("time"));
     key.fov = optics.camera.verticalFov;
     if (entry.has("fov") && optics.camera.lens) badUsage("{} can't stand beside a lens", entry.pathOf("fov"));
-    if (entry.has("fov")) key.fov = readOptics(entry, context.size).camera.verticalFov;
+    if (entry.has("fov")) key.fov = readFov(entry);
     entry.finish();
     key.rotation = quaternionOf(glm::dmat3(key.pose));
     if (!keys.empty() && glm::dot(key.rotation, keys.back().rotation) < 0) key.rotation = -key.rotation;

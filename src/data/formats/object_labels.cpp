@@ -28,14 +28,16 @@ Json projected(const labels::Projector& projector, glm::dvec3 at) {
 
 // Describes the oriented 3D box. The origin of its own frame is its center.
 Json boxInSpace(const Object& object, const output::CameraMetadata& camera, const labels::Projector& projector) {
+  const glm::dvec3 center = (object.low + object.high) * 0.5;
   glm::dmat4 toWorld = object.toWorld;
-  toWorld[3] = object.toWorld * glm::dvec4((object.low + object.high) * 0.5, 1);
+  toWorld[3] = object.toWorld * glm::dvec4(center, 1);
   const glm::dmat4 fromWorld = openCvFromWorld(camera);
   const glm::dvec3 size = object.high - object.low;
   Json corners = Json::array();
   for (const glm::dvec3 corner : cornersOf(object))
     corners.push_back(projected(projector, glm::dvec3(fromWorld * object.toWorld * glm::dvec4(corner, 1))));
   return {{"size", {size.x, size.y, size.z}},
+          {"center", {center.x, center.y, center.z}},
           {"toWorld", output::rowsOf(toWorld)},
           {"toCamera", output::rowsOf(fromWorld * toWorld)},
           {"corners", corners}};

@@ -76,7 +76,9 @@ class Yolo : public Format {
     parallelFor(entries.size(), 16, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) files[i] = writeLabels(entries[i], numbers, folder);
     });
-    std::string text = "path: .\ntrain: images\nval: images\n";
+    // Without "path", Ultralytics starts from the file's own folder.
+    const std::string pictures = yamlString(pictureFolder());
+    std::string text = fmt::format("train: {0}\nval: {0}\n", pictures);
     if (!keypoints_.empty()) text += fmt::format("kpt_shape: [{}, 3]\n", keypoints_.size());
     text += "names:\n";
     for (size_t i = 0; i < names.size(); ++i) text += fmt::format("  {}: {}\n", i, yamlString(names[i]));
@@ -92,6 +94,13 @@ class Yolo : public Format {
     picture_ = PictureFile(options);
     if (const Json* list = options.find("keypoints")) keypoints_ = readKeypoints(*list, "keypoints of the format yolo");
     options.finish();
+  }
+
+  // Returns the folder of the pictures, relative to that of data.yaml.
+  std::string pictureFolder() const {
+    const std::filesystem::path set("/");
+    const auto folderOf = [&](const std::string& file) { return (set / file).lexically_normal().parent_path(); };
+    return folderOf(picture_.folder() + "name").lexically_relative(folderOf(file_));
   }
 
   // Three values per keypoint: coordinates as shares of the image's width and height, and COCO's visibility. Readers

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "data/cameras/target.h"
 #include "scene/load/load.h"
+#include "scene/objects.h"
 #include "shared/light.h"
 
 namespace latelight::data {
@@ -54,6 +55,22 @@ std::vector<scene::Light> lightsOf(const scene::Scene& scene, const std::vector<
   return lights;
 }
 
+// Returns the only node of that name or path that is not below another one, or -1 if there are several.
+int onlyNode(const scene::Scene& scene, const std::string& name) {
+  int only = -1;
+  std::vector<bool> below(scene.nodes.size());
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {  // parents first
+    const scene::Node& node = scene.nodes[i];
+    const bool isBelow = node.parent >= 0 && below[static_cast<size_t>(node.parent)];
+    const bool isNamed = node.path == name || node.name == name;
+    below[i] = isBelow || isNamed;
+    if (!isNamed || isBelow) continue;
+    if (only >= 0) return -1;
+    only = static_cast<int>(i);
+  }
+  return only;
+}
+
 // The job's options apply to a file that does not define its frame, unless the entry states others.
 scene::LoadOptions optionsFor(Spec& spec, const std::string& file, scene::LoadOptions options) {
   if (scene::definesFrame(file)) {
@@ -86,10 +103,13 @@ ObjectTemplate readTemplate(Spec& spec, const VariationContext& context) {
   } else {
     object.name = spec.text("node");
     object.lights = lightsOf(scene, nodesBelow(scene, object.name, spec.pathOf("node")));
-    for (const uint32_t number : instancesBelow(scene, object.name, spec.pathOf("node"))) {
+    const std::vector<uint32_t> instances = instancesBelow(scene, object.name, spec.pathOf("node"));
+    for (const uint32_t number : instances) {
       const scene::Instance& instance = scene.instances[number];
       object.parts.push_back({instance.mesh, instance.material, instance.toWorld});
     }
+    object.copy = {.node = onlyNode(scene, object.name)};
+    if (!instances.empty()) object.copy->scaleSigns = scene::objectScaleSigns(scene, {instances.data(), 1});
   }
   object.box = boxAround(scene, object.parts);
   if (object.parts.empty() || !(object.box.half[0].x >= 0))

@@ -2,6 +2,7 @@
 // the bounding box of the meshes.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "base/memory.h"
@@ -13,7 +14,8 @@
 namespace latelight::data {
 
 struct ObjectTemplate {
-  std::string name;  // the file or node, as named in the job
+  std::string name;                     // the file or node, as named in the job
+  std::optional<scene::NodeCopy> copy;  // of copies, except for the displacement; empty: a file
   std::vector<scene::ObjectPart> parts;
   std::vector<scene::Light> lights;  // in the world, without nodes; none is directional
   OrientedBox box;                   // axis-aligned in the world, around all vertices

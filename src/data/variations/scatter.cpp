@@ -70,6 +70,8 @@ class Scatter : public Variation {
       added.name = nameOf(i);
       for (const scene::ObjectPart& part : object.parts)
         added.parts.push_back({part.mesh, part.material, *place * part.toWorld});
+      added.copy = object.copy;
+      if (added.copy) added.copy->displacement = *place;
       for (const scene::Light& light : object.lights) draft.addedLights.push_back(moved(light, *place));
       draft.taken.push_back(transformed(object.box, *place));
       record["objects"].push_back(describe(added.name, object, *place, draft.scene));
@@ -80,7 +82,7 @@ class Scatter : public Variation {
   std::vector<AddedObject> possibleObjects() const override {
     std::vector<AddedObject> objects;
     for (uint64_t i = 0; i < std::max<uint64_t>(count_.high, templates_.size()); ++i)
-      objects.push_back({nameOf(i), templates_[i % templates_.size()].parts});
+      objects.push_back({nameOf(i), templates_[i % templates_.size()].parts, {}});
     return objects;
   }
 

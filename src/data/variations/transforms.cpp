@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
+#include <ranges>
 
 #include "base/error.h"
 #include "data/variations/draws.h"
@@ -25,6 +27,7 @@ class Transforms : public Variation {
     nodes_ = selectNodes(spec, "nodes", scene);
     above_ = selectedAbove(scene, nodes_);
     findMoved(scene);
+    findSkins(scene, spec.pathOf("nodes"));
     findLights(scene);
     if (spec.has("translation")) translation_ = spec.corners("translation");
     if (spec.has("rotation")) rotation_ = spec.interval("rotation");
@@ -60,6 +63,32 @@ class Transforms : public Variation {
       for (int at = static_cast<int>(i); at >= 0; at = scene.nodes[static_cast<size_t>(at)].parent)
         if (selected.contains(static_cast<uint32_t>(at))) above.push_back(static_cast<uint32_t>(at));
       if (!above.empty()) moved_.emplace_back(i, std::move(above));
+    }
+  }
+
+  // Skinned meshes follow their joints (glTF 2.0, 3.7.3.3), so nodes above all of the joints move them as a whole. They
+  // also move with their own nodes. `path`: of the job's key.
+  void findSkins(const scene::Scene& scene, const std::string& path) {
+    std::vector<const std::vector<uint32_t>*> ofRig(scene.rig.nodes.size());  // the lists of moved_, by node of the rig
+    for (const auto& [node, above] : moved_)
+      if (node < scene.rig.sceneNodes.size()) ofRig[scene.rig.sceneNodes[node]] = &above;
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+      const scene::Instance& instance = scene.instances[i];
+      if (instance.removed || !instance.posed) continue;
+      const auto& deformation = scene.meshes[instance.mesh].deformation;
+      if (!deformation || deformation->skin < 0) continue;
+      std::map<uint32_t, size_t> jointsBelow;  // their number, by selected node
+      const auto& joints = scene.rig.skins[static_cast<size_t>(deformation->skin)].joints;
+      for (const uint32_t joint : joints)
+        if (const std::vector<uint32_t>* above = ofRig[joint])
+          for (const uint32_t node : *above) ++jointsBelow[node];
+      for (const auto& [node, count] : std::views::reverse(jointsBelow)) {  // children first
+        if (std::ranges::find(above_[i], node) != above_[i].end()) continue;
+        if (count < joints.size())
+          badUsage("{}: {} moves only some joints of {}, which cannot bend: select a node above all of its joints",
+                   path, scene.nodes[node].path, scene.nodes[instance.node].path);
+        above_[i].push_back(node);
+      }
     }
   }
 

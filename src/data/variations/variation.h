@@ -23,6 +23,7 @@ namespace latelight::data {
 struct AddedObject {
   std::string name;
   std::vector<scene::ObjectPart> parts;
+  std::optional<scene::NodeCopy> copy;  // empty: the parts are those of a file
 };
 
 // The changes of the scene that one variation number requires. Elements that no kind changes are in none of the lists.

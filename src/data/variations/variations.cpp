@@ -124,7 +124,7 @@ void Variations::Impl::change(const Draft& draft) {
   }
   for (const scene::Light& light : draft.addedLights) addedLights.push_back(scene::addLight(scene, light));
   for (const AddedObject& object : draft.addedObjects)
-    for (const uint32_t instance : scene::addObject(scene, object.parts, object.name))
+    for (const uint32_t instance : scene::addObject(scene, object.parts, object.name, object.copy))
       addedInstances.push_back(instance);
   hide(draft.hiddenNodes);
   movedNodes = draft.movedNodes;

@@ -79,7 +79,7 @@ Format formatOf(const std::string& source) {
 }
 
 // For scenes that define their unit and axes.
-void refuseFrame(const std::string& source, const LoadOptions& options) {
+void rejectFrame(const std::string& source, const LoadOptions& options) {
   if (!options.unit.empty() || !options.upAxis.empty() || options.pointRadius)
     badUsage(
         "{} defines its unit and axes: omit --unit, --up-axis and --point-radius, which are for .obj, .ply and .stl",
@@ -88,7 +88,7 @@ void refuseFrame(const std::string& source, const LoadOptions& options) {
 
 Scene loadBuiltin(const std::string& source, const LoadOptions& options) {
   if (!options.variant.empty()) badUsage("{} has no material variants: omit the variant '{}'", source, options.variant);
-  refuseFrame(source, options);
+  rejectFrame(source, options);
   Scene scene = makeBuiltin(source.substr(kBuiltin.size()), options.textureSlots);
   scene.source = source;
   return scene;
@@ -120,7 +120,7 @@ Scene loadFile(const std::string& source, const LoadOptions& options) {
   if (format == Format::Obj) return loadMeshFile(path, MeshFormat::Obj, options);
   if (format == Format::Ply) return loadMeshFile(path, MeshFormat::Ply, options);
   if (format == Format::Stl) return loadMeshFile(path, MeshFormat::Stl, options);
-  refuseFrame(source, options);
+  rejectFrame(source, options);
   return loadGltf(path, options);
 }
 
@@ -131,6 +131,13 @@ Scene load(const std::string& source, const LoadOptions& options) {
   Scene scene = source.starts_with(kBuiltin) ? loadBuiltin(source, options) : loadFile(source, options);
   groupIds(scene, options.ids);
   return scene;
+}
+
+void checkFrame(const std::string& source, const LoadOptions& options) {
+  std::error_code ignored;
+  const bool isBuiltin = source.starts_with(kBuiltin);
+  if (isBuiltin || (std::filesystem::is_regular_file(source, ignored) && formatOf(source) == Format::Gltf))
+    rejectFrame(source, options);
 }
 
 bool definesFrame(const std::string& source) {

@@ -11,6 +11,10 @@ namespace latelight::scene {
 // the file and the problem, and Error(Usage) for options that do not apply to the scene.
 Scene load(const std::string& source, const LoadOptions& options = {});
 
+// Throws Error(Usage) if the options state a unit, axes or a radius of points for a built-in scene or a file for which
+// load() rejects them. Nothing else is checked.
+void checkFrame(const std::string& source, const LoadOptions& options);
+
 // Returns true if a scene defines its unit and axes, as glTF files and built-in scenes do. load() rejects the options
 // for them then. Files that cannot be read count as such scenes.
 bool definesFrame(const std::string& source);
