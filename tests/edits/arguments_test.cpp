@@ -1,0 +1,60 @@
+// Arguments of the public API that are rejected where they are given, and limits that the API states.
+#include <gmock/gmock.h>
+#include <latelight/latelight.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "test_device.h"
+
+namespace latelight {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// Returns the message of an Error with this code.
+std::string errorOf(const std::function<void()>& call, ExitCode code = ExitCode::Usage) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code);
+    return error.what();
+  }
+  return "no error";
+}
+
+// Points with as many values in all fields.
+LidarPoints points(size_t count) {
+  LidarPoints p;
+  p.position.resize(count), p.worldPosition.resize(count), p.time.resize(count), p.range.resize(count);
+  p.intensity.resize(count), p.ring.resize(count), p.echo.resize(count), p.firing.resize(count);
+  p.id.resize(count), p.part.resize(count), p.material.resize(count);
+  return p;
+}
+
+TEST(Arguments, PointsWithFieldsOfDifferentSizesAreNotWritten) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / ("latelight_points_" + std::to_string(getpid()) + ".ply");
+  const std::function<void(LidarPoints&)> changes[] = {
+      [](LidarPoints& p) { p.time.clear(); }, [](LidarPoints& p) { p.position.resize(2); },
+      [](LidarPoints& p) { p.time.push_back(0); }, [](LidarPoints& p) { p.worldPosition.clear(); },
+      [](LidarPoints& p) { p.material.clear(); }};
+  for (const auto& change : changes)
+    for (const bool world : {false, true}) {
+      LidarPoints changed = points(3);
+      change(changed);
+      EXPECT_THAT(errorOf([&] { writePoints(file, changed, world); }),
+                  HasSubstr("all fields of points must have as many values"));
+      EXPECT_FALSE(std::filesystem::exists(file));
+    }
+  writePoints(file, points(3), true);
+  EXPECT_TRUE(std::filesystem::remove(file));
+}
+
+}  // namespace
+}  // namespace latelight
