@@ -891,8 +891,9 @@ class LATELIGHT_API Ticket {
   Ticket& operator=(Ticket&&) noexcept;
 
   bool done() const;  // true if take() would not wait for the device
-  // Waits for the pictures and returns them in the order of their cameras. Rendering errors are thrown here. A second
-  // call throws Error(Usage), and so does a ticket of Results::Arrays.
+  // Waits for the pictures and returns them in the order of their cameras. Rendering errors are thrown here. A
+  // second call throws Error(Usage), and so does a ticket of Results::Arrays. Only if an exception of the callback of
+  // Renderer::whileWaiting() has ended a call, another one continues the wait.
   std::vector<Frame> take();
   // The worlds with values that are not finite. Their images show only the background; other worlds are unaffected. May
   // wait until the device has read the values. Like take(), it throws Error(Usage) if a matrix is no transform, pose or
@@ -919,7 +920,8 @@ class LATELIGHT_API CastTicket {
 
   bool done() const;  // true if take() would not wait for the device
   // Waits until the targets of the call hold all hits. A second call throws Error(Usage), and so does a ticket of hits
-  // that stay on the device. Error(Usage) is also thrown if a matrix of worlds is no transform.
+  // that stay on the device. Error(Usage) is also thrown if a matrix of worlds is no transform. Only if an exception of
+  // the callback of Renderer::whileWaiting() has ended a call, another one continues the wait.
   void take();
   // The counterpart of take() for hits that stay on the device: waits and returns each array of hits by its name.
   std::map<std::string, DeviceArray> takeArrays();
@@ -954,7 +956,9 @@ class LATELIGHT_API Renderer {
   // the layers.
   std::vector<std::string> validationMessages();
   // Sets a callback that is called every 50 ms while functions wait for the device, also if each of their waits is
-  // shorter. An exception from it ends that function; submitted work still finishes.
+  // shorter. An exception from it ends that function; submitted work still finishes, and a ticket can be taken after
+  // all. The callback may call whileWaiting(), to replace itself, and other renderers. It must not edit the scene, and
+  // every other call of this renderer or its tickets throws Error(Usage) there.
   void whileWaiting(std::function<void()> check);
   // Waits until the device has finished all submitted work and no pipeline is being compiled. Tickets must still be
   // taken.

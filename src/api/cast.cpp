@@ -139,26 +139,27 @@ void CastTicket::take() {
   if (!impl_) badUsage("these hits have been taken already");
   usable(impl_->renderer);
   if (impl_->onDevice) badUsage("these hits are arrays on the device: take those");
-  const std::shared_ptr<Impl> taken = std::move(impl_);
-  if (auto* const cast = std::get_if<render::CastTicket>(&taken->ticket))
-    cast->take();
-  else
-    taken->worldHits();
+  taken(impl_, [](Impl& ticket) {
+    if (auto* const cast = std::get_if<render::CastTicket>(&ticket.ticket))
+      cast->take();
+    else
+      ticket.worldHits();
+    return true;
+  });
 }
 
 std::map<std::string, DeviceArray> CastTicket::takeArrays() {
   if (!impl_) badUsage("these hits have been taken already");
   usable(impl_->renderer);
   if (!impl_->onDevice) badUsage("these hits are no arrays on the device: take() stores them in those of the call");
-  const std::shared_ptr<Impl> taken = std::move(impl_);
-  render::WorldHits hits = taken->worldHits();
+  const std::shared_ptr<vk::Device> device = impl_->renderer->device;
+  const render::WorldHits hits = taken(impl_, [](Impl& ticket) { return ticket.worldHits(); });
   std::map<std::string, DeviceArray> arrays;
-  for (render::WorldCast::Target& from : hits.arrays) {
+  for (const render::WorldCast::Target& from : hits.arrays) {
     DeviceArray& array = arrays[std::string(from.array->name)];
     array.element = from.array->integers ? DeviceArray::Element::Uint32 : DeviceArray::Element::Float32;
     array.shape = {1, hits.worlds, hits.rays, from.array->channels};
-    array.impl_ = ownedByProcess(
-        new DeviceArray::Impl{.owner = {}, .device = taken->renderer->device, .memory = std::move(from.memory)});
+    array.impl_ = ownedByProcess(new DeviceArray::Impl{.owner = {}, .device = device, .memory = from.memory});
   }
   return arrays;
 }

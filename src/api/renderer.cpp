@@ -52,6 +52,38 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
+namespace {
+
+// Marks this thread as one that is in the callback of whileWaiting() for a device. Such a callback may call another
+// renderer, whose callback this thread then is in, too.
+class CallbackScope {
+ public:
+  explicit CallbackScope(const vk::Device* device) : device_(device), outer_(std::exchange(innermost_, this)) {}
+  ~CallbackScope() { innermost_ = outer_; }
+  CallbackScope(const CallbackScope&) = delete;
+  CallbackScope& operator=(const CallbackScope&) = delete;
+
+  static bool contains(const vk::Device& device) {
+    const CallbackScope* scope = innermost_;
+    while (scope && scope->device_ != &device) scope = scope->outer_;
+    return scope != nullptr;
+  }
+
+ private:
+  static thread_local const CallbackScope* innermost_;
+  const vk::Device* device_;
+  const CallbackScope* outer_;
+};
+
+thread_local const CallbackScope* CallbackScope::innermost_ = nullptr;
+
+}  // namespace
+
+void requireIdle(const vk::Device& device) {
+  if (CallbackScope::contains(device))
+    badUsage("the renderer is in use: the callback of whileWaiting() must not call it");
+}
+
 Renderer::Impl& Renderer::filled() const {
   if (!impl_) badUsage("this renderer has been moved to another object: use that one");
   return usable(impl_);
@@ -70,7 +102,20 @@ std::vector<std::string> Renderer::validationMessages() {
 }
 
 void Renderer::whileWaiting(std::function<void()> check) {
-  filled().device->whileWaiting(std::move(check));
+  // The callback may replace itself, but not call anything else.
+  const bool inCallback = impl_ && impl_->owner.isThis() && CallbackScope::contains(*impl_->device);
+  Impl& impl = inCallback ? *impl_ : filled();
+  if (!check) return impl.device->whileWaiting({});
+  const vk::Device* const device = impl.device.get();
+  impl.device->whileWaiting([device, check = std::move(check), interrupted = impl.interrupted] {
+    const CallbackScope scope(device);
+    try {
+      check();
+    } catch (...) {
+      *interrupted = true;
+      throw;
+    }
+  });
 }
 
 void Renderer::finish() {
@@ -121,10 +166,12 @@ std::vector<Frame> Ticket::take() {
   if (!impl_) badUsage("these pictures have been taken already");
   usable(impl_->renderer);
   if (impl_->results == Results::Arrays) badUsage("these pictures are arrays on the device: take those");
-  const std::shared_ptr<Impl> taken = std::move(impl_);
-  taken->checkWorlds();
+  std::vector<output::FrameOutput> from = taken(impl_, [](Impl& ticket) {
+    ticket.checkWorlds();
+    return ticket.ticket.take().frames;
+  });
   std::vector<Frame> frames;
-  for (output::FrameOutput& frame : taken->ticket.take().frames) frames.push_back(publicFrame(std::move(frame)));
+  for (output::FrameOutput& frame : from) frames.push_back(publicFrame(std::move(frame)));
   return frames;
 }
 
@@ -132,10 +179,13 @@ std::map<std::string, DeviceArray> Ticket::takeArrays() {
   if (!impl_) badUsage("these pictures have been taken already");
   usable(impl_->renderer);
   if (impl_->results != Results::Arrays) badUsage("these pictures are no arrays: submit them with Results::Arrays");
-  const std::shared_ptr<Impl> taken = std::move(impl_);
-  taken->checkWorlds();
+  const std::shared_ptr<vk::Device> device = impl_->renderer->device;
+  std::vector<render::ExportedArray> results = taken(impl_, [](Impl& ticket) {
+    ticket.checkWorlds();
+    return ticket.ticket.take().arrays;
+  });
   std::map<std::string, DeviceArray> arrays;
-  for (render::ExportedArray& from : taken->ticket.take().arrays) {
+  for (render::ExportedArray& from : results) {
     DeviceArray& array = arrays[from.aov ? std::string(output::info(*from.aov).name) : "rgba"];
     using enum DeviceArray::Element;
     const bool integers = from.aov && output::holdsIntegers(*from.aov), shorter = from.elementBytes == 2;
@@ -143,8 +193,8 @@ std::map<std::string, DeviceArray> Ticket::takeArrays() {
     array.shape = {from.views, from.rows, from.columns, from.channels};
     array.channelsFirst = from.channelsFirst;
     if (from.channelsFirst) array.shape = {from.views, from.channels, from.rows, from.columns};
-    array.impl_ = ownedByProcess(
-        new DeviceArray::Impl{.owner = {}, .device = taken->renderer->device, .memory = std::move(from.memory)});
+    array.impl_ =
+        ownedByProcess(new DeviceArray::Impl{.owner = {}, .device = device, .memory = std::move(from.memory)});
   }
   return arrays;
 }
