@@ -56,5 +56,21 @@ TEST(Arguments, PointsWithFieldsOfDifferentSizesAreNotWritten) {
   EXPECT_TRUE(std::filesystem::remove(file));
 }
 
+class MemoryLimit : public testing::Test {
+ protected:
+  ~MemoryLimit() override { setMemoryLimit(0); }
+};
+
+TEST_F(MemoryLimit, AppliesToBuiltInScenes) {
+  for (const char* name : {"builtin:boxes", "builtin:spheres", "builtin:hall", "builtin:triangles,count=1"}) {
+    setMemoryLimit(100);
+    const std::string sentence = errorOf([&] { const Scene scene(name); }, ExitCode::OutOfMemory);
+    EXPECT_THAT(sentence, HasSubstr(std::string("no memory for the scene ") + name));
+    EXPECT_THAT(sentence, HasSubstr("of the 100 bytes"));
+    setMemoryLimit(0);
+    EXPECT_GT(Scene(name).triangleCount(), 0u);
+  }
+}
+
 }  // namespace
 }  // namespace latelight
