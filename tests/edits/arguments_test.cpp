@@ -56,6 +56,23 @@ TEST(Arguments, PointsWithFieldsOfDifferentSizesAreNotWritten) {
   EXPECT_TRUE(std::filesystem::remove(file));
 }
 
+TEST(Arguments, PointLightsNeedNoDirection) {
+  Scene scene;
+  Light light;
+  light.name = "lamp";
+  light.direction = {0, 0, 0};
+  const Handle<Light> added = scene.addLight(light);
+  const Light read = scene.light(added);
+  EXPECT_NE(read.direction, light.direction);
+  scene.setLight(added, light);
+  EXPECT_EQ(scene.light(added).direction, read.direction);
+  for (const char* type : {"spot", "directional", "sphere", "rect"}) {
+    light.type = type;
+    light.size = 1;
+    EXPECT_THAT(errorOf([&] { scene.addLight(light); }), HasSubstr("direction of the light \"lamp\"")) << type;
+  }
+}
+
 class MemoryLimit : public testing::Test {
  protected:
   ~MemoryLimit() override { setMemoryLimit(0); }
