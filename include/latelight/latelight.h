@@ -60,15 +60,15 @@ struct Camera {
   // Transform from the camera frame to the scene file's frame, row-major: a rotation and a translation. The camera
   // frame is OpenCV's: X right, Y down, Z forward.
   std::array<double, 16> cameraToWorld{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-  bool orthographic = false;
-  float verticalFov = 40;  // degrees, full angle
-  float halfHeight = 1;    // meters, only of orthographic cameras
+  bool orthographic = false;  // requires a finite far plane, so set `farClip`, too
+  float verticalFov = 40;     // degrees, full angle; unused by orthographic cameras
+  float halfHeight = 1;       // meters, above 0; only of orthographic cameras
   // Width / height of the camera's own frame. Images of another aspect show all of this frame, unless
   // Options::cameraFit is "vertical". Without an aspect, or with a lens, every image has the vertical extent above.
   std::optional<float> aspect{};
   // In meters. Depth precision does not depend on the near plane, so the default is 2^-40. Increase it only to clip
   // near geometry.
-  float nearClip = 9.09494702e-13f;
+  float nearClip = 9.09494702e-13f;  // above 0, except of orthographic cameras
   float farClip = std::numeric_limits<float>::infinity();
   float principalX = 0, principalY = 0;   // offset of the principal point from the center, in half widths and half
                                           // heights, y up

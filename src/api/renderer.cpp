@@ -21,9 +21,10 @@ render::Results internalResults(Results results) {
       return render::Results::OnDevice;
     case Results::Arrays:
       return render::Results::Exported;
-    default:
+    case Results::ToHost:
       return render::Results::ToHost;
   }
+  badUsage("there are no results {}: choose one of Results", static_cast<int>(results));
 }
 
 Frame publicFrame(output::FrameOutput&& from) {

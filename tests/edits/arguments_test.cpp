@@ -73,6 +73,49 @@ TEST(Arguments, PointLightsNeedNoDirection) {
   }
 }
 
+TEST(Arguments, AddedCamerasHaveUsableLenses) {
+  Scene scene;
+  Camera camera;
+  camera.lens = Lens{};
+  EXPECT_THAT(errorOf([&] { scene.addCamera(camera); }), HasSubstr("image size of its calibration"));
+  camera.lens = Lens{.model = LensModel::Pinhole, .width = 8, .height = 8, .fx = 0, .fy = 4, .cx = 4, .cy = 4};
+  EXPECT_THAT(errorOf([&] { scene.addCamera(camera); }), HasSubstr("focal lengths"));
+  camera.lens->fx = 4;
+  camera.lens->model = static_cast<LensModel>(77);
+  EXPECT_THAT(errorOf([&] { scene.addCamera(camera); }), HasSubstr("no lens model 77"));
+  EXPECT_TRUE(scene.cameras().empty());
+  camera.lens->model = LensModel::Pinhole;
+  scene.addCamera(camera);
+  camera.lens = Lens{.model = LensModel::CubeMap};  // the image's size is not known yet
+  scene.addCamera(camera);
+  EXPECT_EQ(scene.cameras().size(), 2u);
+}
+
+TEST(Arguments, MessagesOfOrthographicCamerasNameTheCause) {
+  Scene scene;
+  Camera camera;
+  camera.orthographic = true;
+  EXPECT_THAT(errorOf([&] { scene.addCamera(camera); }), HasSubstr("finite near and far planes"));
+  camera.halfHeight = kInfinity;
+  EXPECT_THAT(errorOf([&] { scene.addCamera(camera); }), HasSubstr("half height"));
+  camera.halfHeight = 1;
+  camera.farClip = 10;
+  scene.addCamera(camera);
+  EXPECT_EQ(scene.cameras().size(), 1u);
+}
+
+TEST(Arguments, UnknownEnumeratorsAreRejected) {
+  Scene scene("builtin:boxes");
+  const Handle<Material> material = scene.addMaterial({});
+  const Handle<Texture> texture = scene.addTexture({"white", 1, 1, true, {255, 255, 255, 255}});
+  for (const TextureUse& use : {TextureUse{.texture = texture, .wrapU = static_cast<Wrap>(9)},
+                                TextureUse{.texture = texture, .wrapV = static_cast<Wrap>(-1)}})
+    EXPECT_THAT(errorOf([&] { scene.setTexture(material, TextureSlot::BaseColor, use); }), HasSubstr("no wrap mode"));
+  Renderer renderer(scene, test::testDevice());
+  EXPECT_THAT(errorOf([&] { renderer.submit({scene.defaultCamera(1)}, {}, static_cast<Results>(9)); }),
+              HasSubstr("no results 9"));
+}
+
 class MemoryLimit : public testing::Test {
  protected:
   ~MemoryLimit() override { setMemoryLimit(0); }
