@@ -1062,7 +1062,7 @@ class LATELIGHT_API Renderer {
   std::vector<std::vector<KeypointLabel>> keypoints(const Worlds& worlds, const std::vector<Keypoint>& keypoints,
                                                     const Options& options = {});
   // Finds the surfaces of the first camera's picture in the second camera's, which has the same size and shows the
-  // scene at `secondTime`, by default at Options::time as well.
+  // scene at `secondTime`, by default at Options::time as well. Both times have the same range.
   Correspondence correspond(const Camera& first, const Camera& second, const Options& options = {},
                             std::optional<double> secondTime = {});
   // The same for the cameras of all worlds, in their order: the second picture of a view is that of the same camera in

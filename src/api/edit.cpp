@@ -280,6 +280,7 @@ void requireFactors(const MeshData& mesh) {
 }
 
 scene::Mesh internalMesh(const MeshData& from, scene::VertexSources& sources) {
+  if (from.positions.empty()) badUsage("the mesh \"{}\" has no positions", printable(from.name));
   std::vector<uint32_t> indices = trianglesOf(from);
   scene::Vertices v;
   v.positions = stream<vec3>(from.positions, from, "positions");

@@ -116,6 +116,28 @@ TEST(Arguments, UnknownEnumeratorsAreRejected) {
               HasSubstr("no results 9"));
 }
 
+TEST(Arguments, MeshesHavePositions) {
+  Scene scene;
+  EXPECT_EQ(errorOf([&] { scene.addMesh({.name = "nothing"}); }), "the mesh \"nothing\" has no positions");
+}
+
+TEST(Arguments, CamerasThatAreTooFarAwaySaySo) {
+  const Scene scene;
+  EXPECT_THAT(errorOf([&] { scene.lookAt({1e200, 0, 0}, {0, 0, 0}); }), HasSubstr("too far apart"));
+}
+
+TEST(Arguments, SecondTimesHaveTheRangeOfTheFirst) {
+  const Scene scene("builtin:boxes");
+  Renderer renderer(scene, test::testDevice());
+  const Camera camera = scene.defaultCamera(1);
+  Options options;
+  options.width = options.height = 8;
+  options.time = 0;
+  EXPECT_EQ(renderer.correspond(camera, camera, options, 1e6).width, 8u);
+  for (const double time : {1e9, -1e9})
+    EXPECT_THAT(errorOf([&] { renderer.correspond(camera, camera, options, time); }), HasSubstr("--time"));
+}
+
 class MemoryLimit : public testing::Test {
  protected:
   ~MemoryLimit() override { setMemoryLimit(0); }
