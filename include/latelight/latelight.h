@@ -971,8 +971,8 @@ class LATELIGHT_API Renderer {
   // written, and more pictures submitted. Up to three tickets keep a device busy; each holds its pictures' memory until
   // it is taken or dropped.
   // `targets`: arrays of earlier calls with the same outputs, sizes and formats, by name. Results::Arrays are rendered
-  // into them again, and their earlier values are lost. Throws Error(Usage) for arrays of another renderer, and for one
-  // array with two names.
+  // into them again, and their earlier values are lost. Throws Error(Usage) for arrays of another renderer, smaller
+  // arrays, outputs that are not requested, and one array with two names.
   Ticket submit(const std::vector<Camera>& cameras, const Options& options = {}, Results results = Results::ToHost,
                 const std::map<std::string, DeviceArray>& targets = {});
   // Renders the cameras of all worlds. Frames are in the order of the worlds, and of the cameras within each world.

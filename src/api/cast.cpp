@@ -269,6 +269,9 @@ CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, con
   Impl& impl = filled();
   checkRays(rays, worlds.count, *impl.device);
   DeviceArrayMemory::checkDistinct(targets);
+  for (const auto& [name, array] : targets)
+    if (std::ranges::find(outputs, name) == outputs.end())
+      badUsage("there is an array to store {} in, but this output is not requested", printable(name));
   std::vector<render::WorldCast::Target> hits;
   for (const std::string& name : outputs) {
     const auto found = std::ranges::find(render::hitInfos(), name, &render::HitInfo::name);
@@ -277,6 +280,9 @@ CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, con
     const auto target = targets.find(name);
     if (target == targets.end()) continue;
     memory = DeviceArrayMemory::of(target->second, *impl.device, fmt::format("the array to store {} in", name));
+    const uint64_t count = uint64_t{worlds.count} * rays.count;
+    if (!DeviceArrayMemory::contains(target->second, 0, count, sizeof(float) * found->channels))
+      badUsage("the array of {} is too small for the hits of {} rays", name, count);
     if (worlds.arrays.ready == 0 && memory->beforeReuse) memory->beforeReuse();
   }
   return CastTicket::Impl::submitted(impl_, impl.submitCast(worlds, rays, std::move(hits), options), true);

@@ -8,6 +8,7 @@
 #include "api/device_array.h"
 #include "api/settings.h"
 #include "base/error.h"
+#include "base/log.h"
 #include "render/submit/picking.h"
 #include "render/submit/session.h"
 
@@ -202,11 +203,28 @@ std::map<std::string, DeviceArray> Ticket::takeArrays() {
 
 namespace {
 
+// Throws Error(Usage) unless the output of this name is requested and `views` images of it fit into the array. Its
+// memory may be larger than the array.
+void checkTarget(const std::string& name, const DeviceArray& array, const render::Settings& settings, uint64_t views) {
+  const render::ExportFormats& formats = settings.exports;
+  uint64_t pixelBytes = formats.rgb ? 3 : 4;
+  if (name != "rgba" || !settings.display) {
+    const auto aov = std::ranges::find(settings.aovs, name, [](output::Aov each) { return output::info(each).name; });
+    if (aov == settings.aovs.end())
+      badUsage("there is an array to render {} into, but this output is not requested", printable(name));
+    pixelBytes = uint64_t{output::info(*aov).channels} * (std::ranges::count(formats.shorter, *aov) > 0 ? 2 : 4);
+  }
+  if (!DeviceArrayMemory::contains(array, 0, views * settings.width * settings.height, pixelBytes))
+    badUsage("the array to render {} into is smaller than the output: use one of a call with the same size and formats",
+             name);
+}
+
 // Whoever reads the arrays must have finished. `ordered`: the device waits for them.
 render::ExportTargets targetsOf(const std::map<std::string, DeviceArray>& arrays, const vk::Device& device,
-                                Results results, bool ordered) {
+                                const render::Settings& settings, uint64_t views, Results results, bool ordered) {
   if (!arrays.empty() && results != Results::Arrays) badUsage("only Results::Arrays are rendered into given arrays");
   render::ExportTargets targets = DeviceArrayMemory::targets(arrays, device);
+  for (const auto& [name, array] : arrays) checkTarget(name, array, settings, views);
   for (const auto& [aov, memory] : targets)
     if (!ordered && memory->beforeReuse) memory->beforeReuse();
   return targets;
@@ -230,11 +248,11 @@ Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& optio
   render::SceneState moment = internalState(options, settings, impl_->scene, cameras.size());
   setExposures(moment, cameras, settings);
   Ticket ticket;
-  ticket.impl_ =
-      ownedByProcess(new Ticket::Impl{impl_,
-                                      impl_->renderer.submit(internal, settings, moment, internalResults(results),
-                                                             targetsOf(targets, *impl_->device, results, false)),
-                                      results});
+  ticket.impl_ = ownedByProcess(new Ticket::Impl{
+      impl_,
+      impl_->renderer.submit(internal, settings, moment, internalResults(results),
+                             targetsOf(targets, *impl_->device, settings, cameras.size(), results, false)),
+      results});
   return ticket;
 }
 
@@ -266,12 +284,14 @@ Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results re
     impl_->device->waitFirst(impl_->inputTimeline->get(), worlds.arrays.ready);
   moment.worlds.environments = impl_->environmentsOf(worlds.environments);
   const WorldCameras internal = impl_->source.convert(worlds, settings, moment, impl_->renderer, *impl_->device);
+  // If shaders place the worlds, the cameras are those of each world.
+  const uint64_t views = internal.cameras.size() * (moment.worlds.inputs ? uint64_t{worlds.count} : 1);
   Ticket ticket;
-  ticket.impl_ = ownedByProcess(
-      new Ticket::Impl{impl_,
-                       impl_->renderer.submit(internal.cameras, settings, moment, internalResults(results),
-                                              targetsOf(targets, *impl_->device, results, worlds.arrays.ready > 0)),
-                       results, internal.invalid, internal.onDevice});
+  ticket.impl_ = ownedByProcess(new Ticket::Impl{
+      impl_,
+      impl_->renderer.submit(internal.cameras, settings, moment, internalResults(results),
+                             targetsOf(targets, *impl_->device, settings, views, results, worlds.arrays.ready > 0)),
+      results, internal.invalid, internal.onDevice});
   return ticket;
 }
 

@@ -138,6 +138,52 @@ TEST(Arguments, SecondTimesHaveTheRangeOfTheFirst) {
     EXPECT_THAT(errorOf([&] { renderer.correspond(camera, camera, options, time); }), HasSubstr("--time"));
 }
 
+TEST(Arguments, TargetsAreArraysOfRequestedOutputsWithTheirSize) {
+  const Scene scene("builtin:boxes");
+  Renderer renderer(scene, test::testDevice());
+  const Camera camera = scene.defaultCamera(1);
+  const auto optionsOf = [](uint32_t width, const char* output) {
+    Options options;
+    options.width = width;
+    options.height = 48;
+    options.picture = false;
+    options.aovs = {output};
+    return options;
+  };
+  const auto render = [&](uint32_t width, const char* output, const std::map<std::string, DeviceArray>& targets) {
+    return renderer.submit({camera}, optionsOf(width, output), Results::Arrays, targets).takeArrays();
+  };
+  const DeviceArray depth = render(48, "depth", {}).at("depth");
+  EXPECT_EQ(errorOf([&] {
+              render(48, "normal", {{"depth", depth}});
+            }),
+            "there is an array to render depth into, but this output is not requested");
+  EXPECT_THAT(errorOf([&] {
+                render(48, "depth", {{"depth", depth}, {"rgba", render(48, "id", {}).at("id")}});
+              }),
+              HasSubstr("render rgba into"));
+  const DeviceArray narrow = render(47, "depth", {}).at("depth");  // its memory may be larger
+  EXPECT_THAT(errorOf([&] { render(48, "depth", {{"depth", narrow}}); }), HasSubstr("is smaller than the output"));
+  EXPECT_EQ(render(48, "depth", {{"depth", depth}}).at("depth").host(), depth.host());
+}
+
+TEST(Arguments, TargetsOfRaysAreThoseOfRequestedOutputs) {
+  const Scene scene("builtin:boxes");
+  Renderer renderer(scene, test::testDevice());
+  const Worlds worlds{.count = 1};
+  const std::array<double, 6> numbers{};
+  const auto rays = [&](uint64_t count) {
+    return WorldRays{{.element = WorldArray::Element::Float64, .host = numbers.data()},
+                     {.element = WorldArray::Element::Float64, .host = numbers.data()},
+                     count};
+  };
+  const std::map<std::string, DeviceArray> one = renderer.cast(worlds, rays(1));
+  EXPECT_EQ(errorOf([&] { renderer.cast(worlds, rays(1), std::vector<std::string>{"id"}, {}, one); }),
+            "there is an array to store distance in, but this output is not requested");
+  EXPECT_EQ(errorOf([&] { renderer.cast(worlds, rays(2), std::vector<std::string>{"distance"}, {}, one); }),
+            "the array of distance is too small for the hits of 2 rays");
+}
+
 class MemoryLimit : public testing::Test {
  protected:
   ~MemoryLimit() override { setMemoryLimit(0); }
