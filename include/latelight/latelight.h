@@ -60,15 +60,15 @@ struct Camera {
   // Transform from the camera frame to the scene file's frame, row-major: a rotation and a translation. The camera
   // frame is OpenCV's: X right, Y down, Z forward.
   std::array<double, 16> cameraToWorld{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-  bool orthographic = false;
-  float verticalFov = 40;  // degrees, full angle
-  float halfHeight = 1;    // meters, only of orthographic cameras
+  bool orthographic = false;  // requires a finite far plane, so set `farClip`, too
+  float verticalFov = 40;     // degrees, full angle; unused by orthographic cameras
+  float halfHeight = 1;       // meters, above 0; only of orthographic cameras
   // Width / height of the camera's own frame. Images of another aspect show all of this frame, unless
   // Options::cameraFit is "vertical". Without an aspect, or with a lens, every image has the vertical extent above.
   std::optional<float> aspect{};
   // In meters. Depth precision does not depend on the near plane, so the default is 2^-40. Increase it only to clip
   // near geometry.
-  float nearClip = 9.09494702e-13f;
+  float nearClip = 9.09494702e-13f;  // above 0, except of orthographic cameras
   float farClip = std::numeric_limits<float>::infinity();
   float principalX = 0, principalY = 0;   // offset of the principal point from the center, in half widths and half
                                           // heights, y up
@@ -891,8 +891,9 @@ class LATELIGHT_API Ticket {
   Ticket& operator=(Ticket&&) noexcept;
 
   bool done() const;  // true if take() would not wait for the device
-  // Waits for the pictures and returns them in the order of their cameras. Rendering errors are thrown here. A second
-  // call throws Error(Usage), and so does a ticket of Results::Arrays.
+  // Waits for the pictures and returns them in the order of their cameras. Rendering errors are thrown here. A
+  // second call throws Error(Usage), and so does a ticket of Results::Arrays. Only if an exception of the callback of
+  // Renderer::whileWaiting() has ended a call, another one continues the wait.
   std::vector<Frame> take();
   // The worlds with values that are not finite. Their images show only the background; other worlds are unaffected. May
   // wait until the device has read the values. Like take(), it throws Error(Usage) if a matrix is no transform, pose or
@@ -919,7 +920,8 @@ class LATELIGHT_API CastTicket {
 
   bool done() const;  // true if take() would not wait for the device
   // Waits until the targets of the call hold all hits. A second call throws Error(Usage), and so does a ticket of hits
-  // that stay on the device. Error(Usage) is also thrown if a matrix of worlds is no transform.
+  // that stay on the device. Error(Usage) is also thrown if a matrix of worlds is no transform. Only if an exception of
+  // the callback of Renderer::whileWaiting() has ended a call, another one continues the wait.
   void take();
   // The counterpart of take() for hits that stay on the device: waits and returns each array of hits by its name.
   std::map<std::string, DeviceArray> takeArrays();
@@ -954,7 +956,9 @@ class LATELIGHT_API Renderer {
   // the layers.
   std::vector<std::string> validationMessages();
   // Sets a callback that is called every 50 ms while functions wait for the device, also if each of their waits is
-  // shorter. An exception from it ends that function; submitted work still finishes.
+  // shorter. An exception from it ends that function; submitted work still finishes, and a ticket can be taken after
+  // all. The callback may call whileWaiting(), to replace itself, and other renderers. It must not edit the scene, and
+  // every other call of this renderer or its tickets throws Error(Usage) there.
   void whileWaiting(std::function<void()> check);
   // Waits until the device has finished all submitted work and no pipeline is being compiled. Tickets must still be
   // taken.
@@ -967,8 +971,8 @@ class LATELIGHT_API Renderer {
   // written, and more pictures submitted. Up to three tickets keep a device busy; each holds its pictures' memory until
   // it is taken or dropped.
   // `targets`: arrays of earlier calls with the same outputs, sizes and formats, by name. Results::Arrays are rendered
-  // into them again, and their earlier values are lost. Throws Error(Usage) for arrays of another renderer, and for one
-  // array with two names.
+  // into them again, and their earlier values are lost. Throws Error(Usage) for arrays of another renderer, smaller
+  // arrays, outputs that are not requested, and one array with two names.
   Ticket submit(const std::vector<Camera>& cameras, const Options& options = {}, Results results = Results::ToHost,
                 const std::map<std::string, DeviceArray>& targets = {});
   // Renders the cameras of all worlds. Frames are in the order of the worlds, and of the cameras within each world.
@@ -1058,7 +1062,7 @@ class LATELIGHT_API Renderer {
   std::vector<std::vector<KeypointLabel>> keypoints(const Worlds& worlds, const std::vector<Keypoint>& keypoints,
                                                     const Options& options = {});
   // Finds the surfaces of the first camera's picture in the second camera's, which has the same size and shows the
-  // scene at `secondTime`, by default at Options::time as well.
+  // scene at `secondTime`, by default at Options::time as well. Both times have the same range.
   Correspondence correspond(const Camera& first, const Camera& second, const Options& options = {},
                             std::optional<double> secondTime = {});
   // The same for the cameras of all worlds, in their order: the second picture of a view is that of the same camera in

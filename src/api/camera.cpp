@@ -14,16 +14,18 @@ namespace latelight {
 
 namespace {
 
-// The renderer rejects invalid values.
+// Throws Error(Usage) for invalid values.
 scene::Lens internalLens(const Lens& from) {
-  return {static_cast<scene::LensModel>(from.model),
-          from.width,
-          from.height,
-          from.fx,
-          from.fy,
-          from.cx,
-          from.cy,
-          from.distortion};
+  const scene::Lens lens{static_cast<scene::LensModel>(from.model),
+                         from.width,
+                         from.height,
+                         from.fx,
+                         from.fy,
+                         from.cx,
+                         from.cy,
+                         from.distortion};
+  scene::checkLens(lens, 6, 1);  // 6x1 suits all models; renderers check the shape of their images
+  return lens;
 }
 
 Lens publicLens(const scene::Lens& from) {
@@ -81,9 +83,11 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
     badUsage("the vertical field of view must be between 0 and 180 degrees, from {:g} to {:.6g}, not {}",
              scene::kMinVerticalFov * kDegreesPerRadian, scene::kMaxVerticalFov * kDegreesPerRadian,
              camera.verticalFov);
-  if (camera.orthographic && !(camera.halfHeight > 0)) badUsage("an orthographic camera needs a height above 0");
+  if (camera.orthographic && !(camera.halfHeight > 0 && std::isfinite(camera.halfHeight)))
+    badUsage("an orthographic camera needs a half height that is a number above 0, not {}", camera.halfHeight);
   if (camera.orthographic && !(std::isfinite(camera.nearClip) && std::isfinite(camera.farClip)))
-    badUsage("an orthographic camera needs a near and a far plane that are numbers");
+    badUsage("an orthographic camera needs finite near and far planes, not {} and {}: set both", camera.nearClip,
+             camera.farClip);
   if (camera.aspect && !(*camera.aspect > 0 && std::isfinite(*camera.aspect)))
     badUsage("the camera's aspect must be a number above 0, not {}", *camera.aspect);
   if (!std::isfinite(camera.principalX) || !std::isfinite(camera.principalY))

@@ -140,25 +140,26 @@ bool CastTicket::done() const {
 void CastTicket::take() {
   requireUntaken(impl_);
   if (impl_->onDevice) badUsage("these hits are arrays on the device: take those");
-  const std::shared_ptr<Impl> taken = std::move(impl_);
-  if (auto* const cast = std::get_if<render::CastTicket>(&taken->ticket))
-    cast->take();
-  else
-    taken->worldHits();
+  taken(impl_, [](Impl& ticket) {
+    if (auto* const cast = std::get_if<render::CastTicket>(&ticket.ticket))
+      cast->take();
+    else
+      ticket.worldHits();
+    return true;
+  });
 }
 
 std::map<std::string, DeviceArray> CastTicket::takeArrays() {
   requireUntaken(impl_);
   if (!impl_->onDevice) badUsage("these hits are no arrays on the device: take() stores them in those of the call");
-  const std::shared_ptr<Impl> taken = std::move(impl_);
-  render::WorldHits hits = taken->worldHits();
+  const std::shared_ptr<vk::Device> device = impl_->renderer->device;
+  const render::WorldHits hits = taken(impl_, [](Impl& ticket) { return ticket.worldHits(); });
   std::map<std::string, DeviceArray> arrays;
-  for (render::WorldCast::Target& from : hits.arrays) {
+  for (const render::WorldCast::Target& from : hits.arrays) {
     DeviceArray& array = arrays[std::string(from.array->name)];
     array.element = from.array->integers ? DeviceArray::Element::Uint32 : DeviceArray::Element::Float32;
     array.shape = {1, hits.worlds, hits.rays, from.array->channels};
-    array.impl_ = ownedByProcess(
-        new DeviceArray::Impl{.owner = {}, .device = taken->renderer->device, .memory = std::move(from.memory)});
+    array.impl_ = ownedByProcess(new DeviceArray::Impl{.owner = {}, .device = device, .memory = from.memory});
   }
   return arrays;
 }
@@ -264,6 +265,9 @@ CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, con
   Impl& impl = filled();
   checkRays(rays, worlds.count, *impl.device);
   DeviceArrayMemory::checkDistinct(targets);
+  for (const auto& [name, array] : targets)
+    if (std::ranges::find(outputs, name) == outputs.end())
+      badUsage("there is an array to store {} in, but this output is not requested", printable(name));
   std::vector<render::WorldCast::Target> hits;
   for (const std::string& name : outputs) {
     const auto found = std::ranges::find(render::hitInfos(), name, &render::HitInfo::name);
@@ -272,6 +276,9 @@ CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, con
     const auto target = targets.find(name);
     if (target == targets.end()) continue;
     memory = DeviceArrayMemory::of(target->second, *impl.device, fmt::format("the array to store {} in", name));
+    const uint64_t count = uint64_t{worlds.count} * rays.count;
+    if (!DeviceArrayMemory::contains(target->second, 0, count, sizeof(float) * found->channels))
+      badUsage("the array of {} is too small for the hits of {} rays", name, count);
     if (worlds.arrays.ready == 0 && memory->beforeReuse) memory->beforeReuse();
   }
   return CastTicket::Impl::submitted(impl_, impl.submitCast(worlds, rays, std::move(hits), options), true);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "api/renderer.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "output/aov.h"
@@ -67,6 +68,7 @@ void DeviceArray::copyToHost(std::span<std::byte> to) const {
     std::memcpy(to.data(), host(), to.size());
     return;
   }
+  requireIdle(*filled().device);
   vk::readBack(*filled().device, from, 0, to);
 }
 std::string DeviceArray::deviceUuid() const {

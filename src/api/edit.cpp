@@ -204,11 +204,13 @@ Light publicLight(const scene::Light& from, const scene::Scene& scene) {
 
 namespace {
 
-vec3 unitDirection(const Light& light) {
+// Returns the direction of emission, or nullopt for a point light, which does not use its own.
+std::optional<vec3> unitDirection(const Light& light, uint32_t type) {
   const glm::dvec3 direction(three(light.direction));
   const double length = glm::length(direction);
-  if (!std::isfinite(length) || length == 0)
-    badUsage("the direction of the light \"{}\" must be finite and not zero", printable(light.name));
+  const bool usable = std::isfinite(length) && length > 0;
+  if (!usable && type == shared::kLightPoint) return std::nullopt;
+  if (!usable) badUsage("the direction of the light \"{}\" must be finite and not zero", printable(light.name));
   return vec3(direction / length);
 }
 
@@ -278,6 +280,7 @@ void requireFactors(const MeshData& mesh) {
 }
 
 scene::Mesh internalMesh(const MeshData& from, scene::VertexSources& sources) {
+  if (from.positions.empty()) badUsage("the mesh \"{}\" has no positions", printable(from.name));
   std::vector<uint32_t> indices = trianglesOf(from);
   scene::Vertices v;
   v.positions = stream<vec3>(from.positions, from, "positions");
@@ -310,10 +313,11 @@ scene::Light internalLight(const Light& from, const scene::Scene& scene, const s
   out.name = from.name;
   out.type = *type;
   if (from.position != before.position) out.position = dvec3(toWorld * dvec4(three(from.position), 1));
-  if (from.direction != before.direction) out.direction = vec3(toWorld * dvec4(unitDirection(from), 0));
+  const std::optional<vec3> direction = unitDirection(from, *type);
+  if (direction && from.direction != before.direction) out.direction = vec3(toWorld * dvec4(*direction, 0));
   const bool turned = from.direction != before.direction || from.up != before.up || from.scale != before.scale;
   if (shared::lightIsArea(out.type) && (turned || !shared::lightIsArea(like.type)))
-    out.axes = glm::mat3(glm::dmat3(toWorld) * axesOf(from, unitDirection(from)));
+    out.axes = glm::mat3(glm::dmat3(toWorld) * axesOf(from, *direction));
   if (out.position != like.position || out.direction != like.direction || out.axes != like.axes) out.node = -1;
   out.color = three(from.color);
   out.intensity = from.intensity;

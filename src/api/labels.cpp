@@ -76,6 +76,7 @@ Correspondence publicCorrespondence(labels::Correspondence&& from) {
 // Returns the scene's pose for the second image of a correspondence.
 scene::Pose poseAtTime(const scene::Scene& scene, render::Settings settings, std::optional<double> time) {
   if (time) settings.time = *time;
+  render::checkSettings(settings);
   return render::posesAt(scene, settings).current;
 }
 

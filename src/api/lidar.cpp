@@ -114,7 +114,31 @@ LidarPoints Renderer::scan(const LidarPattern& pattern, std::span<const Transfor
           .material = std::move(points.material)};
 }
 
+namespace {
+
+// Throws Error(Usage) unless all fields have one value per point.
+void checkSizes(const LidarPoints& points) {
+  const size_t count = points.time.size();
+  const auto check = [count](const char* name, size_t values) {
+    if (values != count)
+      badUsage("all fields of points must have as many values, but {} has {} and time has {}", name, values, count);
+  };
+  check("position", points.position.size());
+  check("worldPosition", points.worldPosition.size());
+  check("range", points.range.size());
+  check("intensity", points.intensity.size());
+  check("ring", points.ring.size());
+  check("echo", points.echo.size());
+  check("firing", points.firing.size());
+  check("id", points.id.size());
+  check("part", points.part.size());
+  check("material", points.material.size());
+}
+
+}  // namespace
+
 void writePoints(const std::filesystem::path& path, const LidarPoints& from, bool world) {
+  checkSizes(from);
   const lidar::Points points{vectorsOf<glm::vec3>(from.position),
                              vectorsOf<glm::dvec3>(from.worldPosition),
                              from.time,

@@ -8,6 +8,7 @@
 #include "api/device_array.h"
 #include "api/settings.h"
 #include "base/error.h"
+#include "base/log.h"
 #include "render/submit/picking.h"
 #include "render/submit/session.h"
 
@@ -21,9 +22,10 @@ render::Results internalResults(Results results) {
       return render::Results::OnDevice;
     case Results::Arrays:
       return render::Results::Exported;
-    default:
+    case Results::ToHost:
       return render::Results::ToHost;
   }
+  badUsage("there are no results {}: choose one of Results", static_cast<int>(results));
 }
 
 Frame publicFrame(output::FrameOutput&& from) {
@@ -52,6 +54,38 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
+namespace {
+
+// Marks this thread as one that is in the callback of whileWaiting() for a device. Such a callback may call another
+// renderer, whose callback this thread then is in, too.
+class CallbackScope {
+ public:
+  explicit CallbackScope(const vk::Device* device) : device_(device), outer_(std::exchange(innermost_, this)) {}
+  ~CallbackScope() { innermost_ = outer_; }
+  CallbackScope(const CallbackScope&) = delete;
+  CallbackScope& operator=(const CallbackScope&) = delete;
+
+  static bool contains(const vk::Device& device) {
+    const CallbackScope* scope = innermost_;
+    while (scope && scope->device_ != &device) scope = scope->outer_;
+    return scope != nullptr;
+  }
+
+ private:
+  static thread_local const CallbackScope* innermost_;
+  const vk::Device* device_;
+  const CallbackScope* outer_;
+};
+
+thread_local const CallbackScope* CallbackScope::innermost_ = nullptr;
+
+}  // namespace
+
+void requireIdle(const vk::Device& device) {
+  if (CallbackScope::contains(device))
+    badUsage("the renderer is in use: the callback of whileWaiting() must not call it");
+}
+
 Renderer::Impl& Renderer::filled() const {
   if (!impl_) badUsage("this renderer has been moved to another object: use that one");
   return usable(impl_);
@@ -70,7 +104,20 @@ std::vector<std::string> Renderer::validationMessages() {
 }
 
 void Renderer::whileWaiting(std::function<void()> check) {
-  filled().device->whileWaiting(std::move(check));
+  // The callback may replace itself, but not call anything else.
+  const bool inCallback = impl_ && impl_->owner.isThis() && CallbackScope::contains(*impl_->device);
+  Impl& impl = inCallback ? *impl_ : filled();
+  if (!check) return impl.device->whileWaiting({});
+  const vk::Device* const device = impl.device.get();
+  impl.device->whileWaiting([device, check = std::move(check), interrupted = impl.interrupted] {
+    const CallbackScope scope(device);
+    try {
+      check();
+    } catch (...) {
+      *interrupted = true;
+      throw;
+    }
+  });
 }
 
 void Renderer::finish() {
@@ -120,20 +167,25 @@ std::vector<float> Ticket::exposures() const {
 std::vector<Frame> Ticket::take() {
   requireUntaken(impl_);
   if (impl_->results == Results::Arrays) badUsage("these pictures are arrays on the device: take those");
-  const std::shared_ptr<Impl> taken = std::move(impl_);
-  taken->checkWorlds();
+  std::vector<output::FrameOutput> from = taken(impl_, [](Impl& ticket) {
+    ticket.checkWorlds();
+    return ticket.ticket.take().frames;
+  });
   std::vector<Frame> frames;
-  for (output::FrameOutput& frame : taken->ticket.take().frames) frames.push_back(publicFrame(std::move(frame)));
+  for (output::FrameOutput& frame : from) frames.push_back(publicFrame(std::move(frame)));
   return frames;
 }
 
 std::map<std::string, DeviceArray> Ticket::takeArrays() {
   requireUntaken(impl_);
   if (impl_->results != Results::Arrays) badUsage("these pictures are no arrays: submit them with Results::Arrays");
-  const std::shared_ptr<Impl> taken = std::move(impl_);
-  taken->checkWorlds();
+  const std::shared_ptr<vk::Device> device = impl_->renderer->device;
+  std::vector<render::ExportedArray> results = taken(impl_, [](Impl& ticket) {
+    ticket.checkWorlds();
+    return ticket.ticket.take().arrays;
+  });
   std::map<std::string, DeviceArray> arrays;
-  for (render::ExportedArray& from : taken->ticket.take().arrays) {
+  for (render::ExportedArray& from : results) {
     DeviceArray& array = arrays[from.aov ? std::string(output::info(*from.aov).name) : "rgba"];
     using enum DeviceArray::Element;
     const bool integers = from.aov && output::holdsIntegers(*from.aov), shorter = from.elementBytes == 2;
@@ -141,19 +193,36 @@ std::map<std::string, DeviceArray> Ticket::takeArrays() {
     array.shape = {from.views, from.rows, from.columns, from.channels};
     array.channelsFirst = from.channelsFirst;
     if (from.channelsFirst) array.shape = {from.views, from.channels, from.rows, from.columns};
-    array.impl_ = ownedByProcess(
-        new DeviceArray::Impl{.owner = {}, .device = taken->renderer->device, .memory = std::move(from.memory)});
+    array.impl_ =
+        ownedByProcess(new DeviceArray::Impl{.owner = {}, .device = device, .memory = std::move(from.memory)});
   }
   return arrays;
 }
 
 namespace {
 
+// Throws Error(Usage) unless the output of this name is requested and `views` images of it fit into the array. Its
+// memory may be larger than the array.
+void checkTarget(const std::string& name, const DeviceArray& array, const render::Settings& settings, uint64_t views) {
+  const render::ExportFormats& formats = settings.exports;
+  uint64_t pixelBytes = formats.rgb ? 3 : 4;
+  if (name != "rgba" || !settings.display) {
+    const auto aov = std::ranges::find(settings.aovs, name, [](output::Aov each) { return output::info(each).name; });
+    if (aov == settings.aovs.end())
+      badUsage("there is an array to render {} into, but this output is not requested", printable(name));
+    pixelBytes = uint64_t{output::info(*aov).channels} * (std::ranges::count(formats.shorter, *aov) > 0 ? 2 : 4);
+  }
+  if (!DeviceArrayMemory::contains(array, 0, views * settings.width * settings.height, pixelBytes))
+    badUsage("the array to render {} into is smaller than the output: use one of a call with the same size and formats",
+             name);
+}
+
 // Whoever reads the arrays must have finished. `ordered`: the device waits for them.
 render::ExportTargets targetsOf(const std::map<std::string, DeviceArray>& arrays, const vk::Device& device,
-                                Results results, bool ordered) {
+                                const render::Settings& settings, uint64_t views, Results results, bool ordered) {
   if (!arrays.empty() && results != Results::Arrays) badUsage("only Results::Arrays are rendered into given arrays");
   render::ExportTargets targets = DeviceArrayMemory::targets(arrays, device);
+  for (const auto& [name, array] : arrays) checkTarget(name, array, settings, views);
   for (const auto& [aov, memory] : targets)
     if (!ordered && memory->beforeReuse) memory->beforeReuse();
   return targets;
@@ -177,11 +246,11 @@ Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& optio
   render::SceneState moment = internalState(options, settings, impl_->scene, cameras.size());
   setExposures(moment, cameras, settings);
   Ticket ticket;
-  ticket.impl_ =
-      ownedByProcess(new Ticket::Impl{impl_,
-                                      impl_->renderer.submit(internal, settings, moment, internalResults(results),
-                                                             targetsOf(targets, *impl_->device, results, false)),
-                                      results});
+  ticket.impl_ = ownedByProcess(new Ticket::Impl{
+      impl_,
+      impl_->renderer.submit(internal, settings, moment, internalResults(results),
+                             targetsOf(targets, *impl_->device, settings, cameras.size(), results, false)),
+      results});
   return ticket;
 }
 
@@ -213,12 +282,14 @@ Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results re
     impl_->device->waitFirst(impl_->inputTimeline->get(), worlds.arrays.ready);
   moment.worlds.environments = impl_->environmentsOf(worlds.environments);
   const WorldCameras internal = impl_->source.convert(worlds, settings, moment, impl_->renderer, *impl_->device);
+  // If shaders place the worlds, the cameras are those of each world.
+  const uint64_t views = internal.cameras.size() * (moment.worlds.inputs ? uint64_t{worlds.count} : 1);
   Ticket ticket;
-  ticket.impl_ = ownedByProcess(
-      new Ticket::Impl{impl_,
-                       impl_->renderer.submit(internal.cameras, settings, moment, internalResults(results),
-                                              targetsOf(targets, *impl_->device, results, worlds.arrays.ready > 0)),
-                       results, internal.invalid, internal.onDevice});
+  ticket.impl_ = ownedByProcess(new Ticket::Impl{
+      impl_,
+      impl_->renderer.submit(internal.cameras, settings, moment, internalResults(results),
+                             targetsOf(targets, *impl_->device, settings, views, results, worlds.arrays.ready > 0)),
+      results, internal.invalid, internal.onDevice});
   return ticket;
 }
 

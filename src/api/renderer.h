@@ -27,6 +27,8 @@ struct Renderer::Impl {
   std::shared_ptr<render::ExportPool> inputs = std::make_shared<render::ExportPool>();  // arrays that others write
   std::optional<vk::SharedTimeline> inputTimeline{};
   std::map<std::string, scene::Environment> environments{};  // of worlds, by name; elements outlive `renderer`'s calls
+  // An exception of the callback of whileWaiting() has ended a wait. The callback shares it, which arrays may outlive.
+  std::shared_ptr<bool> interrupted = std::make_shared<bool>(false);
 
   Impl(const Scene::Impl& source, const std::string& selector, const std::optional<scene::Environment>& environment)
       : source(source),
@@ -63,10 +65,15 @@ struct Renderer::Impl {
   WorldLabelInput worldLabelInput(const Worlds& worlds, const Options& options);
 };
 
-// Returns the renderer. Fails in any process other than the one that created it.
+// Throws Error(Usage) in the callback of Renderer::whileWaiting(), which interrupts a call of the device's renderer.
+void requireIdle(const vk::Device& device);
+
+// Returns the renderer. Fails in any process other than the one that created it, and in the callback of its
+// whileWaiting().
 template <typename Impl>
 Impl& usable(const std::shared_ptr<Impl>& renderer) {
   renderer->owner.require("the renderer");
+  requireIdle(*renderer->device);
   return *renderer;
 }
 
@@ -75,6 +82,22 @@ template <typename Impl>
 void requireUntaken(const std::shared_ptr<Impl>& ticket) {
   if (!ticket) badUsage("these {} have been taken already", Impl::kResults);
   usable(ticket->renderer);
+}
+
+// Returns the result of `take`, a call of a ticket, and empties the pointer to the ticket. If an exception of the
+// callback of whileWaiting() ends the call, the pointer keeps the ticket, and another call continues the wait.
+template <typename TicketImpl, typename Take>
+auto taken(std::shared_ptr<TicketImpl>& ticket, Take take) {
+  bool& interrupted = *ticket->renderer->interrupted;
+  interrupted = false;
+  try {
+    auto result = take(*ticket);
+    ticket.reset();
+    return result;
+  } catch (...) {
+    if (!interrupted) ticket.reset();
+    throw;
+  }
 }
 
 }  // namespace latelight

@@ -39,8 +39,14 @@ size_t indexOf(TextureSlot slot) {
   return index;
 }
 
+scene::Wrap internalWrap(Wrap wrap) {
+  const auto index = static_cast<size_t>(wrap);
+  if (index > static_cast<size_t>(Wrap::Clamp)) badUsage("a texture has no wrap mode {}", index);
+  return static_cast<scene::Wrap>(wrap);
+}
+
 scene::TextureSlot internalSlot(const TextureUse& use, uint32_t texture) {
-  scene::Sampler sampler{.wrapU = static_cast<scene::Wrap>(use.wrapU), .wrapV = static_cast<scene::Wrap>(use.wrapV)};
+  scene::Sampler sampler{.wrapU = internalWrap(use.wrapU), .wrapV = internalWrap(use.wrapV)};
   if (!use.smooth) {
     sampler.magnify = sampler.minify = scene::Filter::Nearest;
     sampler.mip = scene::MipFilter::None;

@@ -72,7 +72,9 @@ uint64_t limitFor(uint64_t before) {
   return std::min(memoryLimit(), before + left - std::min(left, kForDrivers));
 }
 
-std::string mebibytes(uint64_t bytes) {
+// Returns the size in MiB, rounded up, or that of small amounts in bytes.
+std::string sizeText(uint64_t bytes) {
+  if (bytes < 1 << 20) return fmt::format("{} bytes", bytes);
   return fmt::format("{} MiB", (bytes >> 20) + (bytes % (1 << 20) != 0));
 }
 
@@ -102,8 +104,8 @@ void detail::takeMemory(uint64_t bytes, std::string_view what) {
     if (bytes > limit || before > limit - bytes)
       fail(ExitCode::OutOfMemory,
            "there is no memory for {}: {} are needed, and {} of the {} that may be taken are in use; use something "
-           "smaller, or allow more with --memory",
-           what, mebibytes(bytes), mebibytes(before), mebibytes(limit));
+           "smaller, or raise the memory limit (--memory on the command line)",
+           what, sizeText(bytes), sizeText(before), sizeText(limit));
   } while (!reserved.compare_exchange_weak(before, before + bytes));
 }
 

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -49,7 +50,9 @@ class ScenePage {
     page_.data["height"] = s_.settings.height;
     page_.data["views"] = views_;
     page_.values = planes_.toHtml();
-    return toHtml(page_);
+    std::string page = toHtml(page_);
+    checkBytes(page.size());
+    return page;
   }
 
  private:
@@ -73,7 +76,19 @@ class ScenePage {
   std::string show(const std::string& group, const std::string& name, const output::Picture& picture, Json values) {
     const std::string id = fmt::format("image-{}", views_.size());
     views_.push_back({{"group", group}, {"name", name}, {"image", id}, {"values", std::move(values)}});
-    return figure(id, picture, group + ": " + name, escaped(name));
+    std::string html = figure(id, picture, group + ": " + name, escaped(name));
+    imageBytes_ += html.size();
+    checkBytes(imageBytes_ + planes_.toHtml().size());
+    return html;
+  }
+
+  // Large images would take minutes and gigabytes until the page is complete.
+  void checkBytes(size_t bytes) const {
+    if (bytes > s_.maxBytes)
+      badUsage(
+          "the page's first {} images and their values have {} MB, more than its limit of {}: use a smaller "
+          "--size than {}",
+          views_.size(), bytes / 1'000'000, s_.maxBytes / 1'000'000, sizeText());
   }
 
   // Adds a value of every pixel: every `stride`-th float, starting with `first`.
@@ -121,7 +136,7 @@ class ScenePage {
                         {"layout", "normal mean deg", "max deg", "position mean mm", "max mm", "albedo mean", "max",
                          "roughness mean", "max"},
                         {}};
-    const output::RawGbuffer exact = readTargets(render::findLayout("exact"));
+    std::optional<output::RawGbuffer> exact;
     for (const render::Layout& layout : render::layouts())
       if (canLight(s_, layout)) targets += layoutHtml(layout, exact, errors);
     return html + errorsHtml(errors) +
@@ -143,7 +158,8 @@ class ScenePage {
     return s_.renderer.readTargets(s_.camera, settingsFor(s_, layout), s_.moment).gbuffer;
   }
 
-  std::string layoutHtml(const render::Layout& layout, const output::RawGbuffer& exact, study::Table& errors) {
+  // `exact`: the targets of the layout exact; read if they are not yet, after the first image has passed checkBytes().
+  std::string layoutHtml(const render::Layout& layout, std::optional<output::RawGbuffer>& exact, study::Table& errors) {
     const render::Settings settings = settingsFor(s_, layout);
     const auto command = [&](const Words& more) { return commandHtml(rendering(layout, *settings.lighting, more)); };
     const std::string group = "Layout " + layout.name;
@@ -152,7 +168,8 @@ class ScenePage {
     std::string commands = command({"-o", layout.name + ".png"});
     if (layout.hasTargets()) {
       const output::RawGbuffer gbuffer = readTargets(layout);
-      const LayoutErrors e = layoutErrors(layout, gbuffer, exact, settings, s_.camera);
+      if (!exact) exact = readTargets(render::findLayout("exact"));
+      const LayoutErrors e = layoutErrors(layout, gbuffer, *exact, settings, s_.camera);
       errors.rows.push_back({layout.name, e.normal.mean, e.normal.most, e.position.mean, e.position.most, e.albedo.mean,
                              e.albedo.most, e.roughness.mean, e.roughness.most});
       for (const output::Labelled& target : output::targetPictures(gbuffer))
@@ -234,6 +251,7 @@ class ScenePage {
   Page page_;
   Planes planes_;
   Json views_ = Json::array();
+  size_t imageBytes_ = 0;
 };
 
 }  // namespace

@@ -25,6 +25,7 @@ struct Subject {
   std::string command;     // the command line that creates this page
   study::Options normals;  // options for the study of normal encodings
   uint32_t runs;           // frames per time, which is their median
+  size_t maxBytes;         // limit of the page
 };
 
 // Returns `given` without the options that this layout would reject as meaningless.
@@ -38,6 +39,7 @@ bool canLight(const Subject& subject, const render::TechniqueInfo& technique);
 render::Settings settingsFor(const Subject& subject, const render::Layout& layout);
 render::Settings settingsFor(const Subject& subject, const render::TechniqueInfo& technique);
 
+// Throws Error(Usage) as soon as the page exceeds its limit.
 std::string scenePage(const Subject& subject);
 
 }  // namespace latelight::report

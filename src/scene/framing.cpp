@@ -144,6 +144,7 @@ Camera lookAt(const Scene& scene, dvec3 eye, dvec3 target, std::optional<dvec3> 
   if (!finite(eye) || !finite(target) || (up && !finite(*up))) badUsage("A camera needs finite coordinates");
   const dvec3 from = worldFromFile(scene, eye), direction = worldFromFile(scene, target) - from;
   const double length = glm::length(direction);
+  if (!std::isfinite(length)) badUsage("The camera's eye and target are too far apart: set them closer");
   if (!(length > 0.0))
     badUsage("The camera's eye and target are both ({:g}, {:g}, {:g}): set them apart", eye.x, eye.y, eye.z);
   const dvec3 away = direction / length;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
+#include <iterator>
 #include <limits>
 #include <span>
 #include <vector>
@@ -294,6 +295,8 @@ Lens parseLens(std::string_view option, std::string_view text, uint32_t width, u
 }
 
 void checkLens(const Lens& lens, uint32_t width, uint32_t height) {
+  const auto model = static_cast<size_t>(lens.model);
+  if (model >= std::size(kModels)) badUsage("there is no lens model {}", model);
   const LensModelInfo& info = infoOf(lens.model);
   if (lens.model == LensModel::CubeMap && width != 6 * uint64_t{height})
     badUsage("a cube map is six squares side by side: its image must be six times as wide as high, not {}x{}", width,

@@ -1,6 +1,7 @@
 #include "study/pass_samples.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/ext/matrix_transform.hpp>
 
 #include "base/stopwatch.h"
@@ -9,10 +10,15 @@ namespace latelight::study {
 
 namespace {
 
+// Interpolates linearly between the two nearest samples, so that the median of an even number is the mean of the two
+// middle ones (definition 7 of Hyndman and Fan 1996, Sample Quantiles in Statistical Packages).
 double quantile(Milliseconds samples, double at) {
   if (samples.empty()) return 0;
   std::ranges::sort(samples);
-  return samples[static_cast<size_t>(at * static_cast<double>(samples.size() - 1) + 0.5)];
+  const double position = at * static_cast<double>(samples.size() - 1);
+  const auto below = static_cast<size_t>(position);
+  const size_t above = std::min(below + 1, samples.size() - 1);
+  return std::lerp(samples[below], samples[above], position - static_cast<double>(below));
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ struct Device::Impl {
   std::string cacheName;
   size_t cacheBytes = 0;  // when loaded or last saved
   std::vector<const char*> extensions;
-  std::function<void()> whileWaiting{};
+  std::shared_ptr<const std::function<void()>> whileWaiting;  // null without a callback
   PFN_vkSetDebugUtilsObjectNameEXT setName = nullptr;
 
   std::mutex submitting;  // one submission at a time; guards the following
@@ -102,7 +102,8 @@ void Device::Impl::waitFor(uint64_t value) const {
       const steady_clock::time_point now = steady_clock::now();
       if (now >= due) {
         due = now + kInterval;
-        whileWaiting();
+        const auto check = whileWaiting;  // it may replace itself
+        (*check)();
       }
       timeout = static_cast<uint64_t>(nanoseconds(due - now).count());
     }
@@ -366,7 +367,7 @@ bool Device::finished(uint64_t submission) const {
 }
 
 void Device::whileWaiting(std::function<void()> check) {
-  impl_->whileWaiting = std::move(check);
+  impl_->whileWaiting = check ? std::make_shared<const std::function<void()>>(std::move(check)) : nullptr;
 }
 
 void Device::wait(uint64_t submission) {

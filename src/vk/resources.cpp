@@ -134,8 +134,9 @@ BufferDesc completed(BufferDesc desc) {
 
 VkBufferCreateInfo bufferInfo(Device& device, const BufferDesc& desc) {
   if (desc.size > device.maxBufferSize())
-    fail(ExitCode::OutOfMemory, "A buffer of {} bytes ({}) is too large for {}, which allows {}: use a smaller scene.",
-         desc.size, desc.name, device.info().name, device.maxBufferSize());
+    fail(ExitCode::OutOfMemory,
+         "A buffer of {} bytes ({}) is too large for {}, which allows {}: use a smaller image or scene.", desc.size,
+         desc.name, device.info().name, device.maxBufferSize());
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = desc.size;
   info.usage = desc.usage;

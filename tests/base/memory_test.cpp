@@ -51,6 +51,12 @@ TEST_F(Memory, IsTakenAndGivenBack) {
   EXPECT_NE(refusal([] { MemoryClaim(~uint64_t{0}, "everything"); }), "");
 }
 
+TEST_F(Memory, StatesSmallAmountsInBytes) {
+  setMemoryLimit(1000);
+  EXPECT_THAT(refusal([] { MemoryClaim(2000, "a claim"); }),
+              HasSubstr("2000 bytes are needed, and 0 bytes of the 1000 bytes"));
+}
+
 TEST_F(Memory, MovesWithItsClaim) {
   MemoryClaim kept;
   {

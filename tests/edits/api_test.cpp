@@ -292,9 +292,9 @@ TEST(EditApi, ValuesThatCannotBeAreRefused) {
   Light light;
   light.name = "lamp";
   light.direction = {0, 0, 0};
+  light.type = "spot";
   EXPECT_THAT(refusal([&] { scene.addLight(light); }), HasSubstr("direction of the light \"lamp\""));
   light.direction = {0, 0, -1};
-  light.type = "spot";
   light.outerCone = 100;
   EXPECT_THAT(refusal([&] { scene.addLight(light); }), HasSubstr("cones of the light \"lamp\""));
   MeshData mesh = square();

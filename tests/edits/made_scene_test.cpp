@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
+#include <iterator>
 #include <set>
 #include <stdexcept>
+#include <thread>
 
 #include "output/png.h"
 #include "test_device.h"
@@ -271,6 +274,127 @@ TEST(Waiting, ChecksAcrossShortWaits) {
         std::runtime_error);
   renderer.whileWaiting({});
   EXPECT_EQ(renderer.render(camera, square({"depth"})).aovs.at("depth").values, before.aovs.at("depth").values);
+}
+
+// Waits until a callback that is set now is due in the next wait of this thread.
+void passInterval() {
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+}
+
+// Returns the message of an Error(Usage).
+std::string rejectionOf(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::Usage);
+    return error.what();
+  }
+  return "not rejected";
+}
+
+TEST(Waiting, RejectsCallsOfTheRendererFromItsCallback) {
+  const Scene scene("builtin:boxes");
+  Renderer renderer(scene, latelight::test::testDevice());
+  Renderer other(scene, latelight::test::testDevice());
+  const Camera camera = scene.defaultCamera(1);
+  const Options options = square({"depth"});
+  const Frame before = renderer.render(camera, options);
+  Ticket ticket = renderer.submit({camera}, options);
+  const std::array<double, 3> origin{0, 0, 5}, direction{0, 0, -1};
+  const std::function<void()> calls[] = {[&] { renderer.render(camera, options); },
+                                         [&] { renderer.submit({camera}, options); },
+                                         [&] {
+                                           renderer.cast({&origin, 1}, {&direction, 1});
+                                         },
+                                         [&] {
+                                           renderer.pick(camera, {{0, 0}}, options);
+                                         },
+                                         [&] { renderer.labels(camera, options); },
+                                         [&] { renderer.finish(); },
+                                         [&] { static_cast<void>(ticket.done()); },
+                                         [&] { ticket.take(); }};
+  std::vector<std::string> rejections;
+  std::vector<float> depths;
+  renderer.whileWaiting([&] {
+    if (!rejections.empty()) return;
+    for (const auto& call : calls) rejections.push_back(rejectionOf(call));
+    depths = other.render(camera, options).aovs.at("depth").values;
+  });
+  passInterval();
+  EXPECT_EQ(renderer.render(camera, options).aovs.at("depth").values, before.aovs.at("depth").values);
+  EXPECT_EQ(rejections,
+            std::vector<std::string>(std::size(calls),
+                                     "the renderer is in use: the callback of whileWaiting() must not call it"));
+  EXPECT_EQ(depths, before.aovs.at("depth").values);
+  EXPECT_EQ(ticket.take().front().aovs.at("depth").values, before.aovs.at("depth").values);
+}
+
+// The callback of another renderer that is called in between does not change which renderer is in use.
+TEST(Waiting, RejectsCallsFromCallbacksWithinCallbacks) {
+  const Scene scene("builtin:boxes");
+  Renderer first(scene, latelight::test::testDevice());
+  Renderer second(scene, latelight::test::testDevice());
+  const Camera camera = scene.defaultCamera(1);
+  std::vector<std::string> rejections;
+  second.whileWaiting([&] { rejections.push_back(rejectionOf([&] { first.render(camera, square({"depth"})); })); });
+  first.whileWaiting([&] {
+    first.whileWaiting({});
+    passInterval();
+    second.render(camera, square({"depth"}));
+  });
+  passInterval();
+  first.render(camera, square({"depth"}));
+  ASSERT_FALSE(rejections.empty());
+  EXPECT_THAT(rejections.front(), HasSubstr("is in use"));
+}
+
+// The state of the callback that runs outlives its replacement. The sanitizer reports a use after free.
+TEST(Waiting, TheCallbackMayReplaceItself) {
+  const Scene scene("builtin:boxes");
+  Renderer renderer(scene, latelight::test::testDevice());
+  const Camera camera = scene.defaultCamera(1);
+  std::vector<std::string> texts;
+  renderer.whileWaiting([&renderer, &texts, text = std::string(100, 'a')] {
+    renderer.whileWaiting([&texts] { texts.push_back("second"); });
+    texts.push_back(text);
+  });
+  while (texts.size() < 2) {
+    passInterval();
+    renderer.render(camera, square({"depth"}));
+  }
+  EXPECT_THAT(texts, ElementsAre(std::string(100, 'a'), "second"));
+}
+
+TEST(Waiting, TicketsCanBeTakenAfterAnException) {
+  const Scene scene("builtin:boxes");
+  Renderer renderer(scene, latelight::test::testDevice());
+  const Camera camera = scene.defaultCamera(1);
+  const Options options = square({"depth"});
+  const std::array<double, 3> origin{0, 0, 5}, direction{0, 0, -1};
+  const std::vector<float> depths = renderer.render(camera, options).aovs.at("depth").values;
+  const std::vector<float> distances = renderer.cast({&origin, 1}, {&direction, 1}).distance;
+  Ticket pictures = renderer.submit({camera}, options);
+  Ticket arrays = renderer.submit({camera}, options, Results::Arrays);
+  float distance = 0;
+  CastTicket rays = renderer.submitCast({&origin, 1}, {&direction, 1}, CastTargets{.distance = &distance});
+  const auto interrupt = [&](const std::function<void()>& take) {
+    renderer.whileWaiting([] { throw std::runtime_error("stop"); });
+    passInterval();
+    EXPECT_THROW(take(), std::runtime_error);
+    renderer.whileWaiting({});
+  };
+  interrupt([&] { pictures.take(); });
+  interrupt([&] { arrays.takeArrays(); });
+  interrupt([&] { rays.take(); });
+  EXPECT_EQ(pictures.take().front().aovs.at("depth").values, depths);
+  std::vector<float> copied(depths.size());
+  arrays.takeArrays().at("depth").copyToHost(std::as_writable_bytes(std::span(copied)));
+  EXPECT_EQ(copied, depths);
+  rays.take();
+  EXPECT_EQ(std::vector{distance}, distances);
+  EXPECT_THAT(rejectionOf([&] { pictures.take(); }), HasSubstr("taken already"));
+  EXPECT_THAT(rejectionOf([&] { arrays.takeArrays(); }), HasSubstr("taken already"));
+  EXPECT_THAT(rejectionOf([&] { rays.take(); }), HasSubstr("taken already"));
 }
 
 }  // namespace

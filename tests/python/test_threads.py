@@ -173,3 +173,19 @@ def test_ctrl_c_between_short_waits(device, square):
     finally:
         signal.signal(signal.SIGALRM, before)
     np.testing.assert_array_equal(renderer.labels(camera, (64, 48)).amodal_masks, expected)
+
+
+def test_signal_handlers_cannot_call_the_renderer_that_they_interrupt(square, device):
+    """The error of the call ends the interrupted call, too, because the handler does not catch it."""
+    scene = latelight.Scene("builtin:boxes")
+    renderer, camera = latelight.Renderer(scene, device), latelight.Camera.look_at((0, 0, 6), (0, 0, 0))
+    ticket = renderer.submit(camera, (16, 16))
+    before = signal.signal(signal.SIGALRM, lambda *_: ticket.take())
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        with pytest.raises(latelight.UsageError, match="the renderer is in use"):
+            while True:
+                renderer.labels(camera, (64, 48))
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert ticket.take()["rgba"].shape == (16, 16, 4)

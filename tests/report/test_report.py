@@ -295,6 +295,7 @@ def test_techniques_without_an_option_are_left_out(folder):
         (["builtin:boxes", "--correspond", "x.npz", "-o", "x.html"], 2, "--correspond"),
         (["builtin:boxes", "--to-camera", "main", "-o", "x.html"], 2, "--to-camera"),
         (["builtin:boxes", "-o", "nowhere/x.html"], 2, "nowhere"),
+        (["builtin:boxes", "-o", "x.png"], 2, "ends in .html"),
         (["builtin:boxes", "--runs", "0", "-o", "x.html"], 2, "--runs"),
         (["absent.glb", "-o", "x.html"], 3, "absent.glb"),
         (["builtin:boxes", "--device", "no such device", "-o", "x.html"], 4, "no such device"),
@@ -305,3 +306,12 @@ def test_what_is_wrong_is_said(folder, arguments, code, words):
     assert words in error and len(error.splitlines()) == 1
     assert not (folder / "x.html").exists()
 
+
+@pytest.mark.skipif(not RUNS_ALL, reason="left to ./dev test --all: large images")
+def test_large_pages_end_before_they_are_complete(folder):
+    """A page has about 100 images. The positions of all pixels have 29 MB, and hardly compress."""
+    _, error = latelight("report", "builtin:triangles,count=200k,size=100", "--size", "2000x1200", "--device", "cpu",
+                         "-o", "x.html", code=2, cwd=folder)
+    images = int(re.search("first ([0-9]+) images and their values have", error)[1])
+    assert images < 30 and "smaller --size than 2000x1200" in error
+    assert not (folder / "x.html").exists()

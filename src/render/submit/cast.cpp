@@ -282,8 +282,9 @@ bool CastTicket::done() const {
 }
 
 RenderStatistics CastTicket::take() {
+  // An exception of Device::whileWaiting() must leave the hits for another call.
+  while (!call_->inFlight.empty()) call_->finishFirst();
   const std::unique_ptr<Call> call = std::move(call_);
-  while (!call->inFlight.empty()) call->finishFirst();
   call->prepareStore();  // even if there is nothing to store
   return std::move(call->statistics);
 }
@@ -398,8 +399,8 @@ bool WorldCastTicket::done() const {
 }
 
 WorldHits WorldCastTicket::take() {
+  call_->submission.wait();  // an exception of Device::whileWaiting() must leave the hits for another call
   const std::unique_ptr<Call> call = std::move(call_);
-  call->submission.wait();
   call->memory.reset();
   call->store();
   if (call->status) call->hits.worldStatus.assign(call->status->bits().begin(), call->status->bits().end());

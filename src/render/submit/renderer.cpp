@@ -768,6 +768,8 @@ std::vector<uint32_t> Ticket::worldStatus() const {
 }
 
 RenderResult Ticket::take() {
+  // An exception of Device::whileWaiting() must leave the pictures for another call.
+  while (!job_->parts.empty()) renderer_->read(*job_);
   const std::shared_ptr<RenderJob> job = std::exchange(job_, nullptr);
   renderer_->finish(*job);
   return std::move(job->result);

@@ -85,6 +85,14 @@ constexpr Builtin kBuiltins[] = {
      }},
 };
 
+// Returns the memory of the scene's meshes, textures and instances.
+uint64_t bytesOf(const Scene& scene) {
+  uint64_t bytes = scene.instances.size() * sizeof(Instance) + scene.nodes.size() * sizeof(Node);
+  for (const Mesh& mesh : scene.meshes) bytes += mesh.bytes();
+  for (const Texture& texture : scene.textures) bytes += texture.bytes();
+  return bytes;
+}
+
 }  // namespace
 
 std::span<const Builtin> builtins() {
@@ -130,6 +138,7 @@ Scene makeBuiltin(const std::string& name, uint32_t textureSlots) {
   Scene scene = builtin.make(values, textureSlots);
   scene.name = builtin.name;
   scene.source = "builtin:" + name;
+  scene.memory.grow(bytesOf(scene), fmt::format("the scene builtin:{}", name));
   identifyMaterials(scene);
   for (const Instance& instance : scene.instances)
     scene.nodes[instance.node].mesh = scene.meshes[instance.mesh].name;  // each node has at most one primitive
