@@ -93,6 +93,20 @@ def _transforms(positions: Any, matrices: Any, ids: np.ndarray, what: str, flip:
     return turned * constant([[1.0], [1.0], [-1.0]])
 
 
+def _sharp_normals(positions: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """The normals of triangles' corners as MuJoCo's renderer shows them on meshes without texture coordinates
+    (mjr_uploadMesh() in render_context.c): the vertex's normal, or the triangle's if the cosine of the angle between
+    them is less than 0.8. Without normals in the file, MuJoCo averages those of all triangles around a vertex, also
+    across sharp edges."""
+    corners = positions.astype(np.float64).reshape(-1, 3, 3)
+    faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(faces, axis=1, keepdims=True)
+    faces = np.repeat(np.divide(faces, length, out=np.zeros_like(faces), where=length > 0), 3, axis=0)
+    is_sharp = ((normals * faces).sum(axis=1) < 0.8) & faces.any(axis=1)
+    sharp: np.ndarray = np.where(is_sharp[:, None], faces, normals)
+    return sharp
+
+
 class _Mujoco(Builder):
     def __init__(self, mujoco: Any, model: Any, groups: Sequence[int]) -> None:
         super().__init__("z")
@@ -186,9 +200,10 @@ class _Mujoco(Builder):
             return rows(getattr(model, name), model.mesh_faceadr, model.mesh_facenum).ravel()
 
         positions = rows(model.mesh_vert, model.mesh_vertadr, model.mesh_vertnum)[corners("mesh_face")]
-        normals = rows(model.mesh_normal, model.mesh_normaladr, model.mesh_normalnum)
-        made: dict[str, Any] = {"positions": positions.astype(np.float32),
-                                "normals": normals[corners("mesh_facenormal")].astype(np.float32)}
+        normals = rows(model.mesh_normal, model.mesh_normaladr, model.mesh_normalnum)[corners("mesh_facenormal")]
+        if self.is_projected(geom):
+            normals = _sharp_normals(positions, normals)
+        made: dict[str, Any] = {"positions": positions.astype(np.float32), "normals": normals.astype(np.float32)}
         if self.is_projected(geom):
             made["uv"] = self.projected_uv(geom, positions)
         else:

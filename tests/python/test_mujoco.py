@@ -223,6 +223,34 @@ def test_meshes_without_texture_coordinates_have_those_of_mujoco():
     assert plain.get("uv") is None or not plain["uv"].any()
 
 
+def test_meshes_without_texture_coordinates_have_sharp_edges():
+    """MuJoCo stores one normal per vertex of a cuboid, and its renderer shows those of the faces. A round shape keeps
+    the normals of its vertices, as does a cuboid with texture coordinates and normals along its diagonals."""
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    index = np.arange(200)
+    z, angle = 1 - (2 * index + 1) / 200, np.pi * (3 - 5**0.5) * index
+    sphere = np.stack([np.sqrt(1 - z**2) * np.cos(angle), np.sqrt(1 - z**2) * np.sin(angle), z], 1)
+    text = lambda rows: " ".join(f"{number:.6f}" for row in rows for number in row)
+    faces = "0 1 3 0 3 2 4 6 7 4 7 5 0 4 5 0 5 1 2 3 7 2 7 6 0 2 6 0 6 4 1 5 7 1 7 3"
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
+        <mesh name="cube" vertex="{text(corners)}"/><mesh name="ball" vertex="{text(sphere)}"/>
+        <mesh name="mapped" vertex="{text(corners)}" normal="{text(corners)}" face="{faces}"
+        texcoord="{text(np.zeros((8, 2)))}"/></asset><worldbody><geom type="mesh" mesh="cube"/><geom type="mesh" mesh="ball"/><geom type="mesh" mesh="mapped"/>
+        </worldbody></mujoco>"""))
+    cube, ball, mapped = (robot.scene.mesh_arrays(robot.scene.instance(i).mesh) for i in robot.instances)
+    triangles = cube["positions"][cube["indices"]]
+    expected = np.sign(triangles.mean(axis=1).round(3)) * (np.abs(triangles.mean(axis=1)) > 0.9)
+    np.testing.assert_allclose(cube["normals"][cube["indices"]], np.repeat(expected[:, None], 3, 1), atol=1e-5)
+    np.testing.assert_allclose(np.abs(mapped["normals"]), 3**-0.5, atol=1e-5)
+    center = np.ptp(ball["positions"], axis=0) / 2 + ball["positions"].min(axis=0)
+    radial = (ball["positions"] - center) / np.linalg.norm(ball["positions"] - center, axis=1, keepdims=True)
+    assert (radial * ball["normals"]).sum(axis=1).min() > 0.99, "those of the vertices"
+    edges = ball["positions"][ball["indices"]]
+    flat = np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0])
+    flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+    assert np.median((flat[:, None] * ball["normals"][ball["indices"]]).sum(axis=-1)) < 0.995, "not those of faces"
+
+
 def test_a_white_plane_has_the_diffuse_color_of_a_light_above(tmp_path):
     path = tmp_path / "plane.xml"
     path.write_text(
