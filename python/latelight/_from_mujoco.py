@@ -289,6 +289,8 @@ class _Mujoco(Builder):
         )
         if texture is not None:
             self.add_texture(handle, "base_color", self.picture(texture), True)
+            if any(values["emissive"]):  # MuJoCo multiplies the sum of emitted and reflected light by the texture.
+                self.add_texture(handle, "emissive", self.picture(texture), True)
         self.materials[key] = handle
         return handle
 

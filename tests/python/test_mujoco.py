@@ -223,6 +223,22 @@ def test_meshes_without_texture_coordinates_have_those_of_mujoco():
     assert plain.get("uv") is None or not plain["uv"].any()
 
 
+def test_textures_color_emitted_light():
+    """MuJoCo multiplies emitted light by the texture, whose green is 0.5 in sRGB, which is 0.2140411."""
+    model = mujoco.MjModel.from_xml_string("""<mujoco><asset>
+        <texture name="t" type="2d" builtin="flat" rgb1="1 0.5 0" width="8" height="8"/>
+        <material name="bright" texture="t" emission="0.5" rgba="1 1 1 1"/><material name="dark" texture="t"/></asset>
+        <worldbody><geom type="plane" size="1 1 1" material="bright"/>
+        <geom type="plane" size="1 1 1" material="dark" pos="5 0 0"/><camera pos="0 0 2"/></worldbody></mujoco>""")
+    robot = latelight.from_mujoco(model)
+    bright, dark = (robot.scene.instance(i).material for i in robot.instances)
+    assert robot.scene.texture_of(bright, "emissive") == robot.scene.texture_of(bright, "base_color") is not None
+    assert robot.scene.texture_of(dark, "emissive") is None
+    renderer = latelight.Renderer(robot.scene, device="cpu", environment="none")
+    frame = renderer.render(robot.cameras[0], (8, 8), "color")
+    np.testing.assert_allclose(frame["color"][4, 4, :3], 0.5 * np.array((1, 0.2140411, 0)), atol=2e-3)
+
+
 def test_meshes_without_texture_coordinates_have_sharp_edges():
     """MuJoCo stores one normal per vertex of a cuboid, and its renderer shows those of the faces. A round shape keeps
     the normals of its vertices, as does a cuboid with texture coordinates and normals along its diagonals."""
