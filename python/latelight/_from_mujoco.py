@@ -113,7 +113,7 @@ class _Mujoco(Builder):
         self.mujoco, self.model, self.groups = mujoco, model, set(groups)
         self.shapes: dict[Any, MeshHandle] = {}
         self.pictures: dict[int, np.ndarray] = {}
-        self.anchors_planes = tuple(map(int, mujoco.__version__.split(".")[:2])) >= (3, 12)
+        self.since_3_12 = tuple(map(int, mujoco.__version__.split(".")[:2])) >= (3, 12)
         self.data = mujoco.MjData(model)
         mujoco.mj_forward(model, self.data)
 
@@ -145,7 +145,7 @@ class _Mujoco(Builder):
         """Geoms with equal shapes share a mesh. Nothing for shapes that are left out."""
         model, kind = self.model, self.mujoco.mjtGeom
         shape = kind(int(model.geom_type[geom]))
-        texture = self.texture_of(geom) if self.is_projected(geom) else None
+        texture = self.texture_of(geom) if self.is_projected(geom) or self.since_3_12 else None
         repeat = None if texture is None else (int(model.geom_matid[geom]), texture)
         key = (shape, int(model.geom_dataid[geom]), tuple(model.geom_size[geom]), repeat)
         if key not in self.shapes:
@@ -207,9 +207,20 @@ class _Mujoco(Builder):
         if self.is_projected(geom):
             made["uv"] = self.projected_uv(geom, positions)
         else:
-            uv = rows(model.mesh_texcoord, model.mesh_texcoordadr, model.mesh_texcoordnum)
-            made["uv"] = uv[corners("mesh_facetexcoord")].astype(np.float32)
+            uv = rows(model.mesh_texcoord, model.mesh_texcoordadr, model.mesh_texcoordnum)[corners("mesh_facetexcoord")]
+            made["uv"] = (uv * self.texcoord_scale(geom)).astype(np.float32)
         return made
+
+    def texcoord_scale(self, geom: int) -> np.ndarray:
+        """The factors by which MuJoCo 3.12 and newer versions multiply texture coordinates of meshes: `texrepeat` and,
+        if the material has `texuniform`, the half extents of the geom."""
+        model, material = self.model, int(self.model.geom_matid[geom])
+        if not self.since_3_12 or self.texture_of(geom) is None:
+            return np.ones(2)
+        half = np.asarray(model.geom_size[geom][:2], np.float64)
+        uniform = (half > 0) & bool(model.mat_texuniform[material])
+        scale: np.ndarray = np.asarray(model.mat_texrepeat[material], np.float64) * np.where(uniform, half, 1)
+        return scale
 
     def projected_uv(self, geom: int, points: np.ndarray) -> np.ndarray | None:
         """Texture coordinates as MuJoCo's renderer generates them along the geom's Z axis (settexture() in
@@ -224,7 +235,7 @@ class _Mujoco(Builder):
         per_half = (half > 0) & (not model.mat_texuniform[material])
         scale = repeat / np.where(per_half, half, 1)
         center = np.full(2, -0.5)
-        if model.geom_type[geom] == self.mujoco.mjtGeom.mjGEOM_PLANE and self.anchors_planes:
+        if model.geom_type[geom] == self.mujoco.mjtGeom.mjGEOM_PLANE and self.since_3_12:
             center = 0.5 * scale * half - (0 if (half > 0).all() else 0.5)
         uv: np.ndarray = points[:, :2] * scale * (0.5, -0.5) + center
         return uv.astype(np.float32)

@@ -223,6 +223,32 @@ def test_meshes_without_texture_coordinates_have_those_of_mujoco():
     assert plain.get("uv") is None or not plain["uv"].any()
 
 
+@pytest.mark.parametrize(
+    "version, repeat, uniform, scale",  # the half extents of the geom are 0.25 m by 0.5 m
+    [
+        ("3.11.0", "3 2", "true", (1, 1)),
+        ("3.12.0", "3 2", "false", (3, 2)),
+        ("4.0.0", "1 1", "true", (0.25, 0.5)),
+        ("4.0.0", "3 2", "true", (0.75, 1)),
+    ],
+)
+def test_meshes_repeat_textures_like_mujoco(monkeypatch, version, repeat, uniform, scale):
+    monkeypatch.setattr(mujoco, "__version__", version)
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    text = lambda rows: " ".join(f"{number:.6f}" for row in rows for number in row)
+    faces = "0 1 3 0 3 2 4 6 7 4 7 5 0 4 5 0 5 1 2 3 7 2 7 6 0 2 6 0 6 4 1 5 7 1 7 3"
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
+        <texture name="t" type="2d" builtin="checker" rgb1="1 1 1" rgb2="0 0 0" width="8" height="8"/>
+        <material name="m" texture="t" texrepeat="{repeat}" texuniform="{uniform}"/>
+        <mesh name="brick" vertex="{text(corners)}" face="{faces}" texcoord="{text(np.tile((0.5, 0.25), (8, 1)))}"
+        scale="0.25 0.5 1"/></asset><worldbody><geom type="mesh" mesh="brick" material="m"/>
+        <geom type="mesh" mesh="brick"/></worldbody></mujoco>"""))
+    textured, plain = (robot.scene.mesh_arrays(robot.scene.instance(i).mesh) for i in robot.instances)
+    for made, factors in ((textured, scale), (plain, (1, 1))):
+        expected = np.broadcast_to(np.array((0.5, 0.25)) * factors, made["uv"].shape)
+        np.testing.assert_allclose(made["uv"], expected, rtol=1e-5)
+
+
 def test_textures_color_emitted_light():
     """MuJoCo multiplies emitted light by the texture, whose green is 0.5 in sRGB, which is 0.2140411."""
     model = mujoco.MjModel.from_xml_string("""<mujoco><asset>
