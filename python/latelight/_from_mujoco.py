@@ -107,6 +107,21 @@ def _sharp_normals(positions: np.ndarray, normals: np.ndarray) -> np.ndarray:
     return sharp
 
 
+def _cone(cutoff: float, exponent: float) -> dict[str, float]:
+    """The cones, in degrees, of a spot light that fades with the cosine's power `exponent` and ends at `cutoff`.
+
+    A light of the scene fades with the square of x, which is 1 at the inner cone and 0 at the outer one, and linear in
+    the cosine. The color on screen, which is sRGB, halves at the same angle as in MuJoCo."""
+    half = math.sqrt(float(linear(np.full(3, 0.5))[0]))  # x where the color is half
+    cosine = 0.5 ** (1 / exponent) if exponent > 0 else 0.0  # there
+    outer = math.cos(math.radians(cutoff))
+    inner = outer + max(cosine - outer, 0) / half
+    if inner > 1:  # The light fades to half in less than the cutoff allows: a narrower cone.
+        inner, outer = 1.0, (cosine - half) / (1 - half)
+    degrees = math.degrees(math.acos(outer))
+    return {"outer_cone": degrees, "inner_cone": min(math.degrees(math.acos(inner)), 0.95 * degrees)}
+
+
 class _Mujoco(Builder):
     def __init__(self, mujoco: Any, model: Any, groups: Sequence[int]) -> None:
         super().__init__("z")
@@ -349,22 +364,33 @@ class _Mujoco(Builder):
         center_y = seen.frustum_top / high * height
         return np.array([[focal_x, 0, center_x], [0, focal_y, center_y], [0, 0, 1]])
 
+    def attenuation(self, light: int, distance: float) -> float:
+        """The divisor of a light's color at a distance."""
+        constant, by_distance, by_square = map(float, self.model.light_attenuation[light])
+        divisor = constant + by_distance * distance + by_square * distance**2
+        return divisor if divisor > 0 else 1.0
+
     def add_lights(self) -> list[LightHandle]:
-        """Active lights, except image lights. Lights of MuJoCo do not fade with distance and are no physical
-        quantities: each of these is as bright at the model's center as there, so that a white surface that faces it has
-        its diffuse color."""
+        """Active lights, except image lights and spot lights without a cone. Lights of MuJoCo are no physical
+        quantities, and fade with distance only by `attenuation`: each of these is as bright at the model's center as
+        there, where a white surface that faces it has its diffuse color, divided by the attenuation."""
         model, handles, types = self.model, [], self.mujoco.mjtLightType
         for light in range(model.nlight):
             light_type = int(model.light_type[light])
             if not model.light_active[light] or light_type == types.mjLIGHT_IMAGE:
                 continue
-            color = linear(np.clip(np.asarray(model.light_diffuse[light], np.float64), 0, 1))
             position, direction = self.data.light_xpos[light], self.data.light_xdir[light]
             directional = light_type == types.mjLIGHT_DIRECTIONAL
             cone = min(float(model.light_cutoff[light]), 90.0)
             distance = max(float(np.linalg.norm(position - np.asarray(model.stat.center))), 0.1)
             kind = "directional" if directional else "spot" if light_type == types.mjLIGHT_SPOT and cone < 90 else "point"
-            arguments: dict[str, Any] = {"outer_cone": cone, "inner_cone": 0.8 * cone} if kind == "spot" else {}
+            if kind == "spot" and cone <= 0:
+                continue
+            arguments: dict[str, Any] = _cone(cone, float(model.light_exponent[light])) if kind == "spot" else {}
+            diffuse = np.asarray(model.light_diffuse[light], np.float64)
+            if not directional:
+                diffuse = diffuse / self.attenuation(light, distance)
+            color = linear(np.clip(diffuse, 0, 1))
             handles.append(
                 self.scene.add_light(
                     Light(

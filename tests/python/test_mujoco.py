@@ -322,6 +322,46 @@ def test_lights_have_the_types_and_shadows_of_mujoco():
     }  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    "attenuation, color",  # on screen, of a white surface that is 2 m from the light
+    [("1 0 0", 0.8), ("1 0.5 0", 0.4), ("1 0 0.75", 0.2), ("0 0 0.5", 0.4), ("0 0 0", 0.8)],
+)
+def test_lights_fade_like_those_of_mujoco(attenuation, color):
+    """The model's center is 2 m below the light."""
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><statistic center="0 0 0"/><worldbody>
+        <light type="spot" pos="0 0 2" dir="0 0 -1" cutoff="60" attenuation="{attenuation}" diffuse="0.8 0.8 0.8"/>
+        <geom type="plane" size="3 3 .1" rgba="1 1 1 1" material="chalk"/><camera pos="0 0 1.5"/></worldbody>
+        <asset><material name="chalk" roughness="1"/></asset></mujoco>"""))
+    renderer = latelight.Renderer(robot.scene, device="cpu", environment="none")
+    frame = renderer.render(robot.cameras[0], (65, 65), "color", shadows="none")
+    expected = ((color + 0.055) / 1.055) ** 2.4  # sRGB, IEC 61966-2-1
+    np.testing.assert_allclose(frame["color"][32, 32, :3], expected, rtol=0.06)
+
+
+@pytest.mark.parametrize("cutoff, exponent", [(60, 10), (45, 10), (80, 2), (30, 50)])
+def test_spot_lights_fade_like_those_of_mujoco(cutoff, exponent):
+    """On screen, the color halves where the cosine to the power of the exponent is 0.5, and ends within the cutoff."""
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><worldbody>
+        <light type="spot" cutoff="{cutoff}" exponent="{exponent}"/></worldbody></mujoco>"""))
+    light = robot.scene.light(robot.lights[0])
+    cosines = {name: np.cos(np.radians(getattr(light, name))) for name in ("inner_cone", "outer_cone")}
+    cosine = 0.5 ** (1 / exponent)
+    # KHR_lights_punctual: the square of the cosine's position between the cones
+    falloff = (cosine - cosines["outer_cone"]) / (cosines["inner_cone"] - cosines["outer_cone"])
+    np.testing.assert_allclose(falloff**2, 0.2140411, rtol=1e-4)  # 0.5 in sRGB
+    assert 0 <= light.inner_cone < light.outer_cone <= cutoff + 1e-6
+
+
+def test_spot_lights_have_edges_and_may_have_no_cone():
+    """Without an exponent, the cone has a sharp edge. A cutoff of 0 lights nothing."""
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string("""<mujoco><worldbody>
+        <light name="sharp" type="spot" cutoff="40" exponent="0"/><light type="spot" cutoff="0"/>
+        <light type="spot" cutoff="-10"/></worldbody></mujoco>"""))
+    (sharp,) = (robot.scene.light(light) for light in robot.lights)
+    assert sharp.name == "sharp"
+    np.testing.assert_allclose((sharp.inner_cone, sharp.outer_cone), (38, 40), rtol=1e-5)
+
+
 ORTHOGRAPHIC = 'projection="orthographic"' if hasattr(mujoco, "mjtProjection") else 'orthographic="true"'
 
 
