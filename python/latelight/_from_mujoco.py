@@ -13,7 +13,7 @@ import numpy as np
 from ._core import Camera, InstanceHandle, Light, LightHandle, Material, MaterialHandle, MeshHandle, Scene
 from ._model_builder import Builder, linear, missing, node_name
 from ._shapes import box, capsule, cylinder, ellipsoid, height_field, mesh_arrays, plane
-from .errors import UsageError
+from .errors import InputError, UsageError
 
 INFINITE_PLANE = 100.0  # half the side of a plane that is infinite in MuJoCo, in extents of the model
 
@@ -421,13 +421,16 @@ def from_mujoco(model: Any, *, groups: Sequence[int] = (0, 1, 2)) -> MujocoScene
         raise missing("mujoco", "from_mujoco") from None
     if isinstance(model, (str, os.PathLike)):
         path = os.fspath(model)
+        if os.path.isdir(path):
+            raise InputError(f"{path} is a folder: give an .xml or .mjb file")
         if not os.path.isfile(path):
             raise UsageError(f"{path} does not exist: give an .xml or .mjb file")
         try:
             load = mujoco.MjModel.from_binary_path if path.endswith(".mjb") else mujoco.MjModel.from_xml_path
             model = load(path)
         except ValueError as error:
-            raise UsageError(f"{path}: MuJoCo cannot load it: {error}") from None
+            reason = " ".join(str(error).split())
+            raise UsageError(f"{path}: MuJoCo cannot load it: {reason}") from None
     if not isinstance(model, mujoco.MjModel):
         raise UsageError(f"from_mujoco requires a mujoco.MjModel or a file, not {type(model).__name__}")
     return _Mujoco(mujoco, model, groups).run()

@@ -408,9 +408,12 @@ def test_wrong_arguments_are_refused(model, robot, tmp_path):
         latelight.from_mujoco(3)
     with pytest.raises(latelight.UsageError, match="does not exist"):
         latelight.from_mujoco(tmp_path / "missing.xml")
-    (tmp_path / "broken.xml").write_text("<mujoco>")
-    with pytest.raises(latelight.UsageError, match="MuJoCo cannot load it"):
+    (tmp_path / "broken.xml").write_text('<mujoco>\n<worldbody><geom size="x"/></worldbody></mujoco>')
+    with pytest.raises(latelight.UsageError, match="MuJoCo cannot load it") as error:
         latelight.from_mujoco(tmp_path / "broken.xml")
+    assert "\n" not in str(error.value)
+    with pytest.raises(latelight.InputError, match=f"{tmp_path} is a folder: give"):
+        latelight.from_mujoco(tmp_path)
     with pytest.raises(latelight.UsageError, match="require each other"):
         robot.worlds(geom_xpos=np.zeros((1, model.ngeom, 3)))
     with pytest.raises(latelight.UsageError, match="data must be an MjData, or a list with one per world"):
