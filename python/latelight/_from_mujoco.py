@@ -12,8 +12,9 @@ import numpy as np
 
 from ._core import Camera, InstanceHandle, Light, LightHandle, Material, MaterialHandle, MeshHandle, Scene
 from ._model_builder import Builder, linear, missing, node_name
+from ._options import integers
 from ._shapes import box, capsule, cylinder, ellipsoid, height_field, mesh_arrays, plane
-from .errors import InputError, UsageError
+from .errors import ArgumentTypeError, InputError, UsageError
 
 INFINITE_PLANE = 100.0  # half the side of a plane that is infinite in MuJoCo, in extents of the model
 
@@ -27,8 +28,9 @@ class MujocoScene:
     """
 
     def __init__(self, scene: Scene, geoms: Sequence[int], instances: Sequence[InstanceHandle],
-                 cameras: Sequence[Camera], lights: Sequence[LightHandle]) -> None:
+                 cameras: Sequence[Camera], lights: Sequence[LightHandle], geom_count: int | None = None) -> None:
         self.scene = scene
+        self._geom_count = geom_count  # of the model; None: not known
         self.geoms = np.asarray(geoms, np.int64)
         self.instances = list(instances)
         self.cameras = list(cameras)
@@ -47,22 +49,54 @@ class MujocoScene:
 
         For example: renderer.render_worlds(N, robot.cameras, (64, 64), **robot.worlds(all_data))"""
         if data is not None:
-            each = list(data) if isinstance(data, Sequence) else [data]
-            if not each:
-                raise UsageError("data must be an MjData, or a list with one per world, and the list is empty")
-            geom_xpos, geom_xmat = (np.stack([getattr(d, name) for d in each]) for name in ("geom_xpos", "geom_xmat"))
+            each = _list_of_data(data)
+            geom_xpos, geom_xmat = (_stacked(each, name) for name in ("geom_xpos", "geom_xmat"))
             if len(self.cameras) > 0:
-                cam_xpos, cam_xmat = (np.stack([getattr(d, name) for d in each]) for name in ("cam_xpos", "cam_xmat"))
+                cam_xpos, cam_xmat = (_stacked(each, name) for name in ("cam_xpos", "cam_xmat"))
         if (geom_xpos is None) != (geom_xmat is None) or (cam_xpos is None) != (cam_xmat is None):
             raise UsageError("positions and matrices require each other: geom_xpos and geom_xmat, cam_xpos and cam_xmat")
         arguments: dict[str, Any] = {}
         if geom_xpos is not None:
             arguments["instances"] = self.instances
-            arguments["transforms"] = _transforms(geom_xpos, geom_xmat, self.geoms, "geom")
+            arguments["transforms"] = _transforms(geom_xpos, geom_xmat, self.geoms, "geom", self._geom_count)
+        ids = range(len(self.cameras)) if camera_ids is None else integers(camera_ids, "camera_ids")
+        for camera in ids:
+            if not 0 <= camera < len(self.cameras):
+                raise UsageError(f"camera_ids must be indices of the model's cameras, of which there are "
+                                 f"{len(self.cameras)}, and one is {camera}")
         if cam_xpos is not None:
-            ids = np.arange(len(self.cameras)) if camera_ids is None else np.asarray(camera_ids, np.int64)
-            arguments["camera_to_world"] = _transforms(cam_xpos, cam_xmat, ids, "cam", (1, -1, -1))
+            arguments["camera_to_world"] = _transforms(
+                cam_xpos, cam_xmat, np.asarray(ids, np.int64), "cam", len(self.cameras), (1, -1, -1))
         return arguments
+
+
+def _list_of_data(data: Any) -> list[Any]:
+    """The MjData of each world."""
+    each = [data]
+    if not hasattr(data, "geom_xpos"):
+        try:
+            iterator = iter(data)
+        except TypeError:
+            raise ArgumentTypeError(
+                f"data must be an MjData, or a list with one per world, not {type(data).__name__}") from None
+        each = list(iterator)
+    if not each:
+        raise UsageError("data must be an MjData, or a list with one per world, and the list is empty")
+    for one in each:
+        if not hasattr(one, "geom_xpos"):
+            raise ArgumentTypeError(f"data must be a list with one MjData per world, not {type(one).__name__}")
+    return each
+
+
+def _stacked(each: list[Any], name: str) -> np.ndarray:
+    arrays = [np.asarray(getattr(data, name)) for data in each]
+    for array in arrays:
+        if array.ndim != 2:
+            raise UsageError(f"{name} of each MjData must have two dimensions, and one has {array.ndim}: "
+                             "batches of worlds are arguments of their own, such as geom_xpos and geom_xmat")
+        if array.shape != arrays[0].shape:
+            raise UsageError(f"data must be of one model, and {name} has {len(arrays[0])} and {len(array)} rows")
+    return np.stack(arrays)
 
 
 def _namespace(array: Any) -> Any:
@@ -73,14 +107,36 @@ def _namespace(array: Any) -> Any:
     return importlib.import_module("jax.numpy") if name in ("jax", "jaxlib") else np
 
 
-def _transforms(positions: Any, matrices: Any, ids: np.ndarray, what: str, flip: tuple[int, ...] = (1, 1, 1)) -> Any:
-    """3x4 matrices (N, I, 3, 4) in the scene's frame, of the chosen elements. `flip`: signs of columns."""
+def _array(values: Any, name: str) -> Any:
+    """Arrays of any package stay as they are; lists become arrays of NumPy."""
+    if hasattr(values, "shape"):
+        return values
+    try:
+        return np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentTypeError(f"{name} must be an array of numbers, not {type(values).__name__}") from None
+
+
+def _transforms(positions: Any, matrices: Any, ids: np.ndarray, what: str, count: int | None,
+                flip: tuple[int, ...] = (1, 1, 1)) -> Any:
+    """3x4 matrices (N, I, 3, 4) in the scene's frame, of the chosen elements.
+
+    count: number of the model's elements, if it is known
+    flip: signs of columns"""
+    positions, matrices = _array(positions, f"{what}_xpos"), _array(matrices, f"{what}_xmat")
     xp = _namespace(positions)
+    if xp is not _namespace(matrices):
+        raise ArgumentTypeError(f"{what}_xpos and {what}_xmat must be arrays of the same package")
     if len(positions.shape) != 3 or positions.shape[2] != 3:
         raise UsageError(f"{what}_xpos must have the shape (N, n{what}, 3), not {tuple(positions.shape)}")
-    rows = matrices.reshape((*positions.shape[:2], 3, 3))
-    if len(ids) and int(ids.max()) >= positions.shape[1]:
-        raise UsageError(f"{what}_xpos must have all of the model's elements, and has {positions.shape[1]}")
+    worlds, elements = positions.shape[:2]
+    if tuple(matrices.shape) not in ((worlds, elements, 9), (worlds, elements, 3, 3)):
+        raise UsageError(f"{what}_xmat must have the shape ({worlds}, {elements}, 9) or ({worlds}, {elements}, 3, 3), "
+                         f"as {what}_xpos has {worlds} worlds, not {tuple(matrices.shape)}")
+    rows = matrices.reshape((worlds, elements, 3, 3))
+    if count is not None and elements != count or len(ids) and int(ids.max()) >= elements:
+        expected = "all of the model's elements" if count is None else f"all of the model's elements, {count},"
+        raise UsageError(f"{what}_xpos must have {expected} and has {elements}")
 
     def constant(values: Any) -> Any:
         if xp.__name__ == "torch":
@@ -152,7 +208,7 @@ class _Mujoco(Builder):
         cameras = [self.camera(camera) for camera in range(model.ncam)]
         for camera in cameras:
             self.scene.add_camera(camera)
-        return MujocoScene(self.scene, geoms, instances, cameras, self.add_lights())
+        return MujocoScene(self.scene, geoms, instances, cameras, self.add_lights(), model.ngeom)
 
     # --- geometry ---
 
@@ -433,4 +489,4 @@ def from_mujoco(model: Any, *, groups: Sequence[int] = (0, 1, 2)) -> MujocoScene
             raise UsageError(f"{path}: MuJoCo cannot load it: {reason}") from None
     if not isinstance(model, mujoco.MjModel):
         raise UsageError(f"from_mujoco requires a mujoco.MjModel or a file, not {type(model).__name__}")
-    return _Mujoco(mujoco, model, groups).run()
+    return _Mujoco(mujoco, model, integers(groups, "groups")).run()

@@ -420,8 +420,42 @@ def test_wrong_arguments_are_refused(model, robot, tmp_path):
         robot.worlds([])
     with pytest.raises(latelight.UsageError, match="must have the shape"):
         robot.worlds(geom_xpos=np.zeros((model.ngeom, 3)), geom_xmat=np.zeros((model.ngeom, 9)))
-    with pytest.raises(latelight.UsageError, match="all of the model's elements, and has 2"):
-        robot.worlds(geom_xpos=np.zeros((1, 2, 3)), geom_xmat=np.zeros((1, 2, 9)))
+    for elements in (2, model.ngeom + 1):
+        with pytest.raises(latelight.UsageError, match=f"all of the model's elements, .*, and has {elements}"):
+            robot.worlds(geom_xpos=np.zeros((1, elements, 3)), geom_xmat=np.zeros((1, elements, 9)))
+    with pytest.raises(latelight.UsageError, match="geom_xmat must have the shape"):
+        robot.worlds(geom_xpos=np.zeros((2, model.ngeom, 3)), geom_xmat=np.zeros((3, model.ngeom, 9)))
+    for groups in (3, "012", [0.5]):
+        with pytest.raises(latelight.ArgumentTypeError, match="groups must be a list of integers"):
+            latelight.from_mujoco(model, groups=groups)
+
+
+def test_states_of_wrong_types_are_refused(model, robot):
+    data = data_at(model, 0, 1)
+    for wrong in (3, model, [data, 3]):
+        with pytest.raises(latelight.ArgumentTypeError, match="data must be an? .*MjData.* per world, not "):
+            robot.worlds(wrong)
+    other = mujoco.MjModel.from_xml_string("<mujoco><worldbody><geom size='.1'/></worldbody></mujoco>")
+    with pytest.raises(latelight.UsageError, match="must be of one model"):
+        robot.worlds([data, mujoco.MjData(other)])
+    with pytest.raises(latelight.UsageError, match="all of the model's elements"):
+        latelight.from_mujoco(other).worlds(data)
+    with pytest.raises(latelight.ArgumentTypeError, match="must be an array of numbers, not str"):
+        robot.worlds(geom_xpos="x", geom_xmat=np.zeros((1, model.ngeom, 9)))
+    for ids in (0, ["eye"], [0.7]):
+        with pytest.raises(latelight.ArgumentTypeError, match="camera_ids must be a list of integers"):
+            robot.worlds(data, camera_ids=ids)
+    for ids in ([-1], [2]):
+        with pytest.raises(latelight.UsageError, match="indices of the model's cameras, of which there are 2"):
+            robot.worlds(data, camera_ids=ids)
+    # Lists of arrays, tuples, generators and arrays of objects are lists, too.
+    expected = robot.worlds([data, data])
+    given = {name: np.stack([getattr(data, name)] * 2).tolist()
+             for name in ("geom_xpos", "geom_xmat", "cam_xpos", "cam_xmat")}
+    for same in (robot.worlds(d for d in (data, data)), robot.worlds(np.array([data, data], object)),
+                 robot.worlds((data, data)), robot.worlds(**given)):
+        for name in ("transforms", "camera_to_world"):
+            np.testing.assert_array_equal(same[name], expected[name])
 
 
 def falling(gymnasium, xml):
@@ -467,6 +501,19 @@ def test_vector_environments_have_pixels():
     np.testing.assert_array_equal(moved["pixels"][1], seen["pixels"][1])
     with pytest.raises(latelight.UsageError, match="SyncVectorEnv of MuJoCo environments"):
         latelight.add_pixels(gymnasium.make_vec("CartPole-v1", 2))
+    wrong = [
+        ({"size": 64}, "size must be a list of integers"), ({"size": (64.0, 64)}, "size must be a list of integers"),
+        ({"size": (0, 64)}, "size must be a width and a height above 0"), ({"cameras": 0}, "cameras must be a Camera"),
+        ({"cameras": []}, "cameras must have at least one"), ({"scene": 3}, "scene must be a MujocoScene, not int"),
+    ]
+    for arguments, message in wrong:
+        with pytest.raises(latelight.UsageError, match=message):
+            latelight.add_pixels(gymnasium.vector.SyncVectorEnv([Fall, Fall]), device="cpu", **arguments)
+    nothing = latelight.add_pixels(
+        gymnasium.vector.SyncVectorEnv([Fall, Fall]), renderer=envs.renderer, cameras=latelight.Camera(),
+        worlds=lambda envs: None)
+    with pytest.raises(latelight.ArgumentTypeError, match="worlds must return a dict .*, not NoneType"):
+        nothing.reset()
     for name, value in (("channels_first", True), ("on_device", True), ("outputs", "id"), ("out", {})):
         with pytest.raises(latelight.UsageError, match=f"so it has no option {name}$"):
             latelight.add_pixels(gymnasium.vector.SyncVectorEnv([Fall, Fall]), device="cpu", **{name: value})
