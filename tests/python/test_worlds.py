@@ -94,6 +94,18 @@ def test_empty_lists_have_empty_arrays(scene, worlds_renderer, camera):
     assert not frames["id"].any()
 
 
+def test_casts_ignore_cameras(scene, worlds_renderer):
+    """The arguments that describe worlds of images with several cameras also describe those of a cast."""
+    transforms = np.array([[at(-1), at(1)], [at(-1, 0, 1), at(1)]])
+    given = {"instances": scene.instances(), "transforms": transforms}
+    cameras = {"camera_to_world": np.zeros((2, 7, 3, 4)), "k": np.zeros((2, 7, 3, 3)), "camera_instances": [None] * 7}
+    origins, directions = np.tile((-1.0, 0, 5), (2, 1, 1)), np.tile((0.0, 0, -1), (2, 1, 1))
+    hits = worlds_renderer.cast_worlds(2, origins, directions, outputs="distance", **given, **cameras)
+    np.testing.assert_allclose(hits["distance"], [[5], [4]], rtol=1e-6)
+    ticket = worlds_renderer.submit_cast_worlds(2, origins, directions, outputs="distance", **given, **cameras)
+    np.testing.assert_allclose(ticket.take()["distance"], [[5], [4]], rtol=1e-6)
+
+
 def test_cameras_have_poses_and_matrices(worlds_renderer, camera):
     poses = np.stack([[latelight.Camera.look_at((x, 1, 4), (0, 0, 0)).camera_to_world] for x in (-1.0, 0.5, 2.0)])
     k = np.tile([[20.0, 0, 11], [0, 20, 9], [0, 0, 1]], (3, 1, 1, 1))
