@@ -106,6 +106,14 @@ def test_casts_ignore_cameras(scene, worlds_renderer):
     np.testing.assert_allclose(ticket.take()["distance"], [[5], [4]], rtol=1e-6)
 
 
+def test_lights_are_listed_once(camera):
+    lit = latelight.Scene("builtin:boxes")
+    light = lit.add_light(latelight.Light(position=(1, 3, 1), intensity=20))
+    with pytest.raises(latelight.UsageError, match="lights of worlds must be listed once each"):
+        latelight.Renderer(lit).render_worlds(
+            1, camera, SIZE, "rgba", lights=[light, light], light_intensity=np.ones((1, 2)))
+
+
 def test_cameras_have_poses_and_matrices(worlds_renderer, camera):
     poses = np.stack([[latelight.Camera.look_at((x, 1, 4), (0, 0, 0)).camera_to_world] for x in (-1.0, 0.5, 2.0)])
     k = np.tile([[20.0, 0, 11], [0, 20, 9], [0, 0, 1]], (3, 1, 1, 1))
