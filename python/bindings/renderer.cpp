@@ -533,6 +533,11 @@ std::shared_ptr<SharedCastTicket> submitArrays(const std::shared_ptr<SharedRende
                                                nb::handle origins, nb::handle directions, double limit,
                                                nb::handle outputs, nb::handle out, bool perWorld, nb::dict& optional) {
   const bool onDevice = boolOf(optional.attr("pop")("on_device", false), "on_device");
+  // Rays have no cameras. Those of worlds that also describe images are ignored.
+  if (perWorld)
+    for (const char* name :
+         {"camera_to_world", "previous_camera_to_world", "next_camera_to_world", "k", "camera_instances"})
+      optional.attr("pop")(name, nb::none());
   WorldCall call = worldCall(renderer, count, nb::cast(Camera{}), optional);
   const bool tensors = isTensor(origins) || isTensor(directions);
   readRays(*call.given, origins, directions, perWorld, tensors ? readerOf(*renderer, call) : 0);

@@ -213,6 +213,44 @@ void readArgument(ArrayReader& reader, const ArrayArgument& argument) {
 
 }  // namespace
 
+namespace {
+
+// The lists of elements, and the arrays with an axis for these.
+struct ListedArrays {
+  const char* list;
+  std::vector<const char*> arrays;
+};
+
+std::vector<ListedArrays> listedArrays() {
+  return {{"instances",
+           {"transforms", "previous_transforms", "next_transforms", "exists", "material_choice", "base_color",
+            "metallic", "roughness", "emissive"}},
+          {"lights", {"light_position", "light_direction", "light_color", "light_intensity"}},
+          {"joints", {"joint_transforms", "previous_joint_transforms", "next_joint_transforms"}},
+          {"meshes", {"vertices", "previous_vertices", "next_vertices"}}};
+}
+
+// Removes arrays without elements if the list of their elements is empty, such as those of a scene without instances.
+void dropEmptyArrays(int64_t worlds, nb::dict& keywords) {
+  const nb::object shapeOf = nb::module_::import_("numpy").attr("shape");
+  const auto drop = [&](const char* name) { return nb::object(keywords.attr("pop")(name, nb::none())); };
+  for (const auto& [list, arrays] : listedArrays()) {
+    const nb::object elements = keywords.attr("get")(list);
+    const bool isList = nb::isinstance<nb::list>(elements) || nb::isinstance<nb::tuple>(elements);
+    if (!isList || nb::len(elements) > 0) continue;
+    for (const char* name : arrays) {
+      const nb::object value = drop(name);
+      if (value.is_none()) continue;
+      const nb::tuple shape(shapeOf(value));
+      if (nb::len(shape) < 2 || !shape[0].equal(nb::int_(worlds)) || !shape[1].equal(nb::int_(0)))
+        badValue("{} must have the shape ({}, 0, ...), not {}, because {} is empty", name, worlds, shown(shape), list);
+      if (std::string_view(name) == "material_choice") drop("materials");
+    }
+  }
+}
+
+}  // namespace
+
 std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::dict& keywords,
                                       const std::function<uintptr_t()>& stream,
                                       const std::function<uint64_t(Handle<Mesh>)>& vertices) {
@@ -221,6 +259,7 @@ std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::
   worlds.count = static_cast<uint32_t>(integerOf(count, "count", 1, INT32_MAX));
   worlds.cameras = camerasOf(cameras, "cameras");
   if (worlds.cameras.empty()) badValue("cameras must have at least one");
+  dropEmptyArrays(worlds.count, keywords);
   const auto take = [&](const char* name) { return nb::object(keywords.attr("pop")(name, nb::none())); };
   worlds.instances = handlesOf<Instance>(take("instances"), "instances", "an InstanceHandle");
   worlds.cameraInstances = mountsOf(take("camera_instances"), "camera_instances");

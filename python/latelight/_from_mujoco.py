@@ -12,8 +12,9 @@ import numpy as np
 
 from ._core import Camera, InstanceHandle, Light, LightHandle, Material, MaterialHandle, MeshHandle, Scene
 from ._model_builder import Builder, linear, missing, node_name
+from ._options import integers
 from ._shapes import box, capsule, cylinder, ellipsoid, height_field, mesh_arrays, plane
-from .errors import InputError, UsageError
+from .errors import ArgumentTypeError, InputError, UsageError
 
 INFINITE_PLANE = 100.0  # half the side of a plane that is infinite in MuJoCo, in extents of the model
 
@@ -27,8 +28,9 @@ class MujocoScene:
     """
 
     def __init__(self, scene: Scene, geoms: Sequence[int], instances: Sequence[InstanceHandle],
-                 cameras: Sequence[Camera], lights: Sequence[LightHandle]) -> None:
+                 cameras: Sequence[Camera], lights: Sequence[LightHandle], geom_count: int | None = None) -> None:
         self.scene = scene
+        self._geom_count = geom_count  # of the model; None: not known
         self.geoms = np.asarray(geoms, np.int64)
         self.instances = list(instances)
         self.cameras = list(cameras)
@@ -47,22 +49,54 @@ class MujocoScene:
 
         For example: renderer.render_worlds(N, robot.cameras, (64, 64), **robot.worlds(all_data))"""
         if data is not None:
-            each = list(data) if isinstance(data, Sequence) else [data]
-            if not each:
-                raise UsageError("data must be an MjData, or a list with one per world, and the list is empty")
-            geom_xpos, geom_xmat = (np.stack([getattr(d, name) for d in each]) for name in ("geom_xpos", "geom_xmat"))
+            each = _list_of_data(data)
+            geom_xpos, geom_xmat = (_stacked(each, name) for name in ("geom_xpos", "geom_xmat"))
             if len(self.cameras) > 0:
-                cam_xpos, cam_xmat = (np.stack([getattr(d, name) for d in each]) for name in ("cam_xpos", "cam_xmat"))
+                cam_xpos, cam_xmat = (_stacked(each, name) for name in ("cam_xpos", "cam_xmat"))
         if (geom_xpos is None) != (geom_xmat is None) or (cam_xpos is None) != (cam_xmat is None):
             raise UsageError("positions and matrices require each other: geom_xpos and geom_xmat, cam_xpos and cam_xmat")
         arguments: dict[str, Any] = {}
         if geom_xpos is not None:
             arguments["instances"] = self.instances
-            arguments["transforms"] = _transforms(geom_xpos, geom_xmat, self.geoms, "geom")
+            arguments["transforms"] = _transforms(geom_xpos, geom_xmat, self.geoms, "geom", self._geom_count)
+        ids = range(len(self.cameras)) if camera_ids is None else integers(camera_ids, "camera_ids")
+        for camera in ids:
+            if not 0 <= camera < len(self.cameras):
+                raise UsageError(f"camera_ids must be indices of the model's cameras, of which there are "
+                                 f"{len(self.cameras)}, and one is {camera}")
         if cam_xpos is not None:
-            ids = np.arange(len(self.cameras)) if camera_ids is None else np.asarray(camera_ids, np.int64)
-            arguments["camera_to_world"] = _transforms(cam_xpos, cam_xmat, ids, "cam", (1, -1, -1))
+            arguments["camera_to_world"] = _transforms(
+                cam_xpos, cam_xmat, np.asarray(ids, np.int64), "cam", len(self.cameras), (1, -1, -1))
         return arguments
+
+
+def _list_of_data(data: Any) -> list[Any]:
+    """The MjData of each world."""
+    each = [data]
+    if not hasattr(data, "geom_xpos"):
+        try:
+            iterator = iter(data)
+        except TypeError:
+            raise ArgumentTypeError(
+                f"data must be an MjData, or a list with one per world, not {type(data).__name__}") from None
+        each = list(iterator)
+    if not each:
+        raise UsageError("data must be an MjData, or a list with one per world, and the list is empty")
+    for one in each:
+        if not hasattr(one, "geom_xpos"):
+            raise ArgumentTypeError(f"data must be a list with one MjData per world, not {type(one).__name__}")
+    return each
+
+
+def _stacked(each: list[Any], name: str) -> np.ndarray:
+    arrays = [np.asarray(getattr(data, name)) for data in each]
+    for array in arrays:
+        if array.ndim != 2:
+            raise UsageError(f"{name} of each MjData must have two dimensions, and one has {array.ndim}: "
+                             "batches of worlds are arguments of their own, such as geom_xpos and geom_xmat")
+        if array.shape != arrays[0].shape:
+            raise UsageError(f"data must be of one model, and {name} has {len(arrays[0])} and {len(array)} rows")
+    return np.stack(arrays)
 
 
 def _namespace(array: Any) -> Any:
@@ -73,14 +107,36 @@ def _namespace(array: Any) -> Any:
     return importlib.import_module("jax.numpy") if name in ("jax", "jaxlib") else np
 
 
-def _transforms(positions: Any, matrices: Any, ids: np.ndarray, what: str, flip: tuple[int, ...] = (1, 1, 1)) -> Any:
-    """3x4 matrices (N, I, 3, 4) in the scene's frame, of the chosen elements. `flip`: signs of columns."""
+def _array(values: Any, name: str) -> Any:
+    """Arrays of any package stay as they are; lists become arrays of NumPy."""
+    if hasattr(values, "shape"):
+        return values
+    try:
+        return np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentTypeError(f"{name} must be an array of numbers, not {type(values).__name__}") from None
+
+
+def _transforms(positions: Any, matrices: Any, ids: np.ndarray, what: str, count: int | None,
+                flip: tuple[int, ...] = (1, 1, 1)) -> Any:
+    """3x4 matrices (N, I, 3, 4) in the scene's frame, of the chosen elements.
+
+    count: number of the model's elements, if it is known
+    flip: signs of columns"""
+    positions, matrices = _array(positions, f"{what}_xpos"), _array(matrices, f"{what}_xmat")
     xp = _namespace(positions)
+    if xp is not _namespace(matrices):
+        raise ArgumentTypeError(f"{what}_xpos and {what}_xmat must be arrays of the same package")
     if len(positions.shape) != 3 or positions.shape[2] != 3:
         raise UsageError(f"{what}_xpos must have the shape (N, n{what}, 3), not {tuple(positions.shape)}")
-    rows = matrices.reshape((*positions.shape[:2], 3, 3))
-    if len(ids) and int(ids.max()) >= positions.shape[1]:
-        raise UsageError(f"{what}_xpos must have all of the model's elements, and has {positions.shape[1]}")
+    worlds, elements = positions.shape[:2]
+    if tuple(matrices.shape) not in ((worlds, elements, 9), (worlds, elements, 3, 3)):
+        raise UsageError(f"{what}_xmat must have the shape ({worlds}, {elements}, 9) or ({worlds}, {elements}, 3, 3), "
+                         f"as {what}_xpos has {worlds} worlds, not {tuple(matrices.shape)}")
+    rows = matrices.reshape((worlds, elements, 3, 3))
+    if count is not None and elements != count or len(ids) and int(ids.max()) >= elements:
+        expected = "all of the model's elements" if count is None else f"all of the model's elements, {count},"
+        raise UsageError(f"{what}_xpos must have {expected} and has {elements}")
 
     def constant(values: Any) -> Any:
         if xp.__name__ == "torch":
@@ -93,13 +149,42 @@ def _transforms(positions: Any, matrices: Any, ids: np.ndarray, what: str, flip:
     return turned * constant([[1.0], [1.0], [-1.0]])
 
 
+def _sharp_normals(positions: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """The normals of triangles' corners as MuJoCo's renderer shows them on meshes without texture coordinates
+    (mjr_uploadMesh() in render_context.c): the vertex's normal, or the triangle's if the cosine of the angle between
+    them is less than 0.8. Without normals in the file, MuJoCo averages those of all triangles around a vertex, also
+    across sharp edges."""
+    corners = positions.astype(np.float64).reshape(-1, 3, 3)
+    faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(faces, axis=1, keepdims=True)
+    faces = np.repeat(np.divide(faces, length, out=np.zeros_like(faces), where=length > 0), 3, axis=0)
+    is_sharp = ((normals * faces).sum(axis=1) < 0.8) & faces.any(axis=1)
+    sharp: np.ndarray = np.where(is_sharp[:, None], faces, normals)
+    return sharp
+
+
+def _cone(cutoff: float, exponent: float) -> dict[str, float]:
+    """The cones, in degrees, of a spot light that fades with the cosine's power `exponent` and ends at `cutoff`.
+
+    A light of the scene fades with the square of x, which is 1 at the inner cone and 0 at the outer one, and linear in
+    the cosine. The color on screen, which is sRGB, halves at the same angle as in MuJoCo."""
+    half = math.sqrt(float(linear(np.full(3, 0.5))[0]))  # x where the color is half
+    cosine = 0.5 ** (1 / exponent) if exponent > 0 else 0.0  # there
+    outer = math.cos(math.radians(cutoff))
+    inner = outer + max(cosine - outer, 0) / half
+    if inner > 1:  # The light fades to half in less than the cutoff allows: a narrower cone.
+        inner, outer = 1.0, (cosine - half) / (1 - half)
+    degrees = math.degrees(math.acos(outer))
+    return {"outer_cone": degrees, "inner_cone": min(math.degrees(math.acos(inner)), 0.95 * degrees)}
+
+
 class _Mujoco(Builder):
     def __init__(self, mujoco: Any, model: Any, groups: Sequence[int]) -> None:
         super().__init__("z")
         self.mujoco, self.model, self.groups = mujoco, model, set(groups)
         self.shapes: dict[Any, MeshHandle] = {}
         self.pictures: dict[int, np.ndarray] = {}
-        self.anchors_planes = tuple(map(int, mujoco.__version__.split(".")[:2])) >= (3, 12)
+        self.since_3_12 = tuple(map(int, mujoco.__version__.split(".")[:2])) >= (3, 12)
         self.data = mujoco.MjData(model)
         mujoco.mj_forward(model, self.data)
 
@@ -123,7 +208,7 @@ class _Mujoco(Builder):
         cameras = [self.camera(camera) for camera in range(model.ncam)]
         for camera in cameras:
             self.scene.add_camera(camera)
-        return MujocoScene(self.scene, geoms, instances, cameras, self.add_lights())
+        return MujocoScene(self.scene, geoms, instances, cameras, self.add_lights(), model.ngeom)
 
     # --- geometry ---
 
@@ -131,7 +216,7 @@ class _Mujoco(Builder):
         """Geoms with equal shapes share a mesh. Nothing for shapes that are left out."""
         model, kind = self.model, self.mujoco.mjtGeom
         shape = kind(int(model.geom_type[geom]))
-        texture = self.texture_of(geom) if self.is_projected(geom) else None
+        texture = self.texture_of(geom) if self.is_projected(geom) or self.since_3_12 else None
         repeat = None if texture is None else (int(model.geom_matid[geom]), texture)
         key = (shape, int(model.geom_dataid[geom]), tuple(model.geom_size[geom]), repeat)
         if key not in self.shapes:
@@ -186,15 +271,27 @@ class _Mujoco(Builder):
             return rows(getattr(model, name), model.mesh_faceadr, model.mesh_facenum).ravel()
 
         positions = rows(model.mesh_vert, model.mesh_vertadr, model.mesh_vertnum)[corners("mesh_face")]
-        normals = rows(model.mesh_normal, model.mesh_normaladr, model.mesh_normalnum)
-        made: dict[str, Any] = {"positions": positions.astype(np.float32),
-                                "normals": normals[corners("mesh_facenormal")].astype(np.float32)}
+        normals = rows(model.mesh_normal, model.mesh_normaladr, model.mesh_normalnum)[corners("mesh_facenormal")]
+        if self.is_projected(geom):
+            normals = _sharp_normals(positions, normals)
+        made: dict[str, Any] = {"positions": positions.astype(np.float32), "normals": normals.astype(np.float32)}
         if self.is_projected(geom):
             made["uv"] = self.projected_uv(geom, positions)
         else:
-            uv = rows(model.mesh_texcoord, model.mesh_texcoordadr, model.mesh_texcoordnum)
-            made["uv"] = uv[corners("mesh_facetexcoord")].astype(np.float32)
+            uv = rows(model.mesh_texcoord, model.mesh_texcoordadr, model.mesh_texcoordnum)[corners("mesh_facetexcoord")]
+            made["uv"] = (uv * self.texcoord_scale(geom)).astype(np.float32)
         return made
+
+    def texcoord_scale(self, geom: int) -> np.ndarray:
+        """The factors by which MuJoCo 3.12 and newer versions multiply texture coordinates of meshes: `texrepeat` and,
+        if the material has `texuniform`, the half extents of the geom."""
+        model, material = self.model, int(self.model.geom_matid[geom])
+        if not self.since_3_12 or self.texture_of(geom) is None:
+            return np.ones(2)
+        half = np.asarray(model.geom_size[geom][:2], np.float64)
+        uniform = (half > 0) & bool(model.mat_texuniform[material])
+        scale: np.ndarray = np.asarray(model.mat_texrepeat[material], np.float64) * np.where(uniform, half, 1)
+        return scale
 
     def projected_uv(self, geom: int, points: np.ndarray) -> np.ndarray | None:
         """Texture coordinates as MuJoCo's renderer generates them along the geom's Z axis (settexture() in
@@ -209,7 +306,7 @@ class _Mujoco(Builder):
         per_half = (half > 0) & (not model.mat_texuniform[material])
         scale = repeat / np.where(per_half, half, 1)
         center = np.full(2, -0.5)
-        if model.geom_type[geom] == self.mujoco.mjtGeom.mjGEOM_PLANE and self.anchors_planes:
+        if model.geom_type[geom] == self.mujoco.mjtGeom.mjGEOM_PLANE and self.since_3_12:
             center = 0.5 * scale * half - (0 if (half > 0).all() else 0.5)
         uv: np.ndarray = points[:, :2] * scale * (0.5, -0.5) + center
         return uv.astype(np.float32)
@@ -274,6 +371,8 @@ class _Mujoco(Builder):
         )
         if texture is not None:
             self.add_texture(handle, "base_color", self.picture(texture), True)
+            if any(values["emissive"]):  # MuJoCo multiplies the sum of emitted and reflected light by the texture.
+                self.add_texture(handle, "emissive", self.picture(texture), True)
         self.materials[key] = handle
         return handle
 
@@ -321,22 +420,33 @@ class _Mujoco(Builder):
         center_y = seen.frustum_top / high * height
         return np.array([[focal_x, 0, center_x], [0, focal_y, center_y], [0, 0, 1]])
 
+    def attenuation(self, light: int, distance: float) -> float:
+        """The divisor of a light's color at a distance."""
+        constant, by_distance, by_square = map(float, self.model.light_attenuation[light])
+        divisor = constant + by_distance * distance + by_square * distance**2
+        return divisor if divisor > 0 else 1.0
+
     def add_lights(self) -> list[LightHandle]:
-        """Active lights, except image lights. Lights of MuJoCo do not fade with distance and are no physical
-        quantities: each of these is as bright at the model's center as there, so that a white surface that faces it has
-        its diffuse color."""
+        """Active lights, except image lights and spot lights without a cone. Lights of MuJoCo are no physical
+        quantities, and fade with distance only by `attenuation`: each of these is as bright at the model's center as
+        there, where a white surface that faces it has its diffuse color, divided by the attenuation."""
         model, handles, types = self.model, [], self.mujoco.mjtLightType
         for light in range(model.nlight):
             light_type = int(model.light_type[light])
             if not model.light_active[light] or light_type == types.mjLIGHT_IMAGE:
                 continue
-            color = linear(np.clip(np.asarray(model.light_diffuse[light], np.float64), 0, 1))
             position, direction = self.data.light_xpos[light], self.data.light_xdir[light]
             directional = light_type == types.mjLIGHT_DIRECTIONAL
             cone = min(float(model.light_cutoff[light]), 90.0)
             distance = max(float(np.linalg.norm(position - np.asarray(model.stat.center))), 0.1)
             kind = "directional" if directional else "spot" if light_type == types.mjLIGHT_SPOT and cone < 90 else "point"
-            arguments: dict[str, Any] = {"outer_cone": cone, "inner_cone": 0.8 * cone} if kind == "spot" else {}
+            if kind == "spot" and cone <= 0:
+                continue
+            arguments: dict[str, Any] = _cone(cone, float(model.light_exponent[light])) if kind == "spot" else {}
+            diffuse = np.asarray(model.light_diffuse[light], np.float64)
+            if not directional:
+                diffuse = diffuse / self.attenuation(light, distance)
+            color = linear(np.clip(diffuse, 0, 1))
             handles.append(
                 self.scene.add_light(
                     Light(
@@ -367,13 +477,16 @@ def from_mujoco(model: Any, *, groups: Sequence[int] = (0, 1, 2)) -> MujocoScene
         raise missing("mujoco", "from_mujoco") from None
     if isinstance(model, (str, os.PathLike)):
         path = os.fspath(model)
+        if os.path.isdir(path):
+            raise InputError(f"{path} is a folder: give an .xml or .mjb file")
         if not os.path.isfile(path):
             raise InputError(f"{path} does not exist: give an .xml or .mjb file")
         try:
             load = mujoco.MjModel.from_binary_path if path.endswith(".mjb") else mujoco.MjModel.from_xml_path
             model = load(path)
         except ValueError as error:
-            raise InputError(f"{path}: MuJoCo cannot load it: {error}") from None
+            reason = " ".join(str(error).split())
+            raise InputError(f"{path}: MuJoCo cannot load it: {reason}") from None
     if not isinstance(model, mujoco.MjModel):
         raise UsageError(f"from_mujoco requires a mujoco.MjModel or a file, not {type(model).__name__}")
-    return _Mujoco(mujoco, model, groups).run()
+    return _Mujoco(mujoco, model, integers(groups, "groups")).run()

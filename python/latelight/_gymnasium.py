@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,8 +11,8 @@ import numpy as np
 from ._core import Camera, Renderer
 from ._from_mujoco import MujocoScene, from_mujoco
 from ._model_builder import missing
-from ._options import reject_options
-from .errors import UsageError
+from ._options import integers, reject_options
+from .errors import ArgumentTypeError, UsageError
 
 
 def _data_of(envs: Any) -> list[Any]:
@@ -21,6 +21,27 @@ def _data_of(envs: Any) -> list[Any]:
     if each is None or not all(hasattr(env.unwrapped, "data") for env in each):
         raise UsageError("the environments must be a SyncVectorEnv of MuJoCo environments, or `worlds` must be given")
     return [env.unwrapped.data for env in each]
+
+
+def _check(value: Any, kind: type, name: str) -> None:
+    if value is not None and not isinstance(value, kind):
+        raise ArgumentTypeError(f"{name} must be a {kind.__name__}, not {type(value).__name__}")
+
+
+def _list_of_cameras(cameras: Any) -> list[Camera]:
+    each = [cameras] if isinstance(cameras, Camera) else cameras
+    if not isinstance(each, Sequence) or not all(isinstance(camera, Camera) for camera in each):
+        raise ArgumentTypeError(f"cameras must be a Camera or a list of these, not {cameras!r:.60}")
+    if not each:
+        raise UsageError("cameras must have at least one")
+    return list(each)
+
+
+def _size_of(size: Any) -> tuple[int, int]:
+    pair = integers(size, "size")
+    if len(pair) != 2 or min(pair) < 1:
+        raise UsageError(f"size must be a width and a height above 0, not {size!r:.60}")
+    return pair[0], pair[1]
 
 
 def _indices(cameras: Sequence[Camera], of: Sequence[Camera]) -> list[int] | None:
@@ -62,14 +83,17 @@ def add_pixels(
         raise missing("gymnasium", "add_pixels") from None
     names = ("outputs", "out", "on_device", "channels_first")
     reject_options(options, names, 'a wrapped environment returns "pixels" as NumPy arrays of (..., H, W, 3)')
+    size = _size_of(size)
+    _check(scene, MujocoScene, "scene")
+    _check(renderer, Renderer, "renderer")
     if worlds is None:
         _data_of(envs)  # raises UsageError for other environments
         robot = scene or from_mujoco(envs.unwrapped.envs[0].unwrapped.model)
         if cameras is None and not robot.cameras:
             raise UsageError("the model has no camera: give `cameras`")
-        cameras = robot.cameras[0] if cameras is None else cameras
+        cameras = _list_of_cameras(robot.cameras[0] if cameras is None else cameras)
         renderer = renderer or Renderer(robot.scene, device=device)
-        camera_ids = _indices([cameras] if isinstance(cameras, Camera) else cameras, robot.cameras)
+        camera_ids = _indices(cameras, robot.cameras)
 
         def worlds(envs: Any) -> dict[str, Any]:
             # Environments may replace their data, as in reset().
@@ -80,7 +104,7 @@ def add_pixels(
 
     elif renderer is None or cameras is None:
         raise UsageError("`worlds` requires `renderer` and `cameras`")
-    return _class_of(gymnasium)(envs, renderer, cameras, size, worlds, options)
+    return _class_of(gymnasium)(envs, renderer, _list_of_cameras(cameras), size, worlds, options)
 
 
 def _class_of(gymnasium: Any) -> Any:
@@ -88,13 +112,12 @@ def _class_of(gymnasium: Any) -> Any:
         """See add_pixels()."""
 
         def __init__(
-            self, envs: Any, renderer: Renderer, cameras: Any, size: tuple[int, int], worlds: Any, options: dict[str, Any]
+            self, envs: Any, renderer: Renderer, cameras: list[Camera], size: tuple[int, int], worlds: Any, options: dict[str, Any]
         ) -> None:
             super().__init__(envs)
             self.renderer, self.cameras, self.size = renderer, cameras, size
             self._worlds, self._options = worlds, options
-            count = 1 if isinstance(cameras, Camera) else len(cameras)
-            shape = (*((count,) if count > 1 else ()), size[1], size[0], 3)
+            shape = (*((len(cameras),) if len(cameras) > 1 else ()), size[1], size[0], 3)
             spaces = gymnasium.spaces
             pixels = spaces.Box(0, 255, shape, np.uint8)
             self.single_observation_space = spaces.Dict(state=envs.single_observation_space, pixels=pixels)
@@ -104,8 +127,12 @@ def _class_of(gymnasium: Any) -> Any:
 
         def observations(self, observations: Any) -> dict[str, Any]:
             """The environment's observations and the images of their state."""
+            worlds = self._worlds(self.env)
+            if not isinstance(worlds, Mapping):
+                raise ArgumentTypeError(
+                    f"worlds must return a dict of arguments of render_worlds(), not {type(worlds).__name__}")
             frames = self.renderer.render_worlds(
-                self.num_envs, self.cameras, self.size, "rgba", **self._worlds(self.env), **self._options
+                self.num_envs, self.cameras, self.size, "rgba", **worlds, **self._options
             )
             pixels = frames["rgba"][..., :3]
             if pixels.shape[1] == 1:

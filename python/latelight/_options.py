@@ -1,11 +1,20 @@
-"""Checks the options that sensors and adapters pass on to the renderer."""
+"""Checks the arguments of sensors and adapters, and the options that they pass on to the renderer."""
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from .errors import UsageError
+from .errors import ArgumentTypeError, UsageError
+
+
+def integers(values: Any, name: str) -> list[int]:
+    """The items of a list of integers. Raises ArgumentTypeError for anything else."""
+    try:
+        return [operator.index(value) for value in values]
+    except TypeError:
+        raise ArgumentTypeError(f"{name} must be a list of integers, not {values!r:.60}") from None
 
 
 def reject_options(options: Mapping[str, Any], names: Iterable[str], reason: str) -> None:

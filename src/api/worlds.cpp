@@ -504,7 +504,11 @@ void Scene::Impl::WorldConverter::convertMaterials() const {
 }
 
 void Scene::Impl::WorldConverter::convertLights() const {
-  for (const Handle<Light>& light : from.lights) to.lights.push_back(scene.index(light));
+  for (const Handle<Light>& light : from.lights) {
+    to.lights.push_back(scene.index(light));
+    if (std::ranges::count(to.lights, to.lights.back()) > 1)
+      badUsage("the lights of worlds must be listed once each, and one is listed twice");
+  }
   for (size_t i = 0; i < from.lightValues.size(); ++i) {
     const scene::Light& like = scene.scene.lights[to.lights[i % to.lights.size()]];
     if (invalid[i / to.lights.size()]) {

@@ -223,6 +223,76 @@ def test_meshes_without_texture_coordinates_have_those_of_mujoco():
     assert plain.get("uv") is None or not plain["uv"].any()
 
 
+@pytest.mark.parametrize(
+    "version, repeat, uniform, scale",  # the half extents of the geom are 0.25 m by 0.5 m
+    [
+        ("3.11.0", "3 2", "true", (1, 1)),
+        ("3.12.0", "3 2", "false", (3, 2)),
+        ("4.0.0", "1 1", "true", (0.25, 0.5)),
+        ("4.0.0", "3 2", "true", (0.75, 1)),
+    ],
+)
+def test_meshes_repeat_textures_like_mujoco(monkeypatch, version, repeat, uniform, scale):
+    monkeypatch.setattr(mujoco, "__version__", version)
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    text = lambda rows: " ".join(f"{number:.6f}" for row in rows for number in row)
+    faces = "0 1 3 0 3 2 4 6 7 4 7 5 0 4 5 0 5 1 2 3 7 2 7 6 0 2 6 0 6 4 1 5 7 1 7 3"
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
+        <texture name="t" type="2d" builtin="checker" rgb1="1 1 1" rgb2="0 0 0" width="8" height="8"/>
+        <material name="m" texture="t" texrepeat="{repeat}" texuniform="{uniform}"/>
+        <mesh name="brick" vertex="{text(corners)}" face="{faces}" texcoord="{text(np.tile((0.5, 0.25), (8, 1)))}"
+        scale="0.25 0.5 1"/></asset><worldbody><geom type="mesh" mesh="brick" material="m"/>
+        <geom type="mesh" mesh="brick"/></worldbody></mujoco>"""))
+    textured, plain = (robot.scene.mesh_arrays(robot.scene.instance(i).mesh) for i in robot.instances)
+    for made, factors in ((textured, scale), (plain, (1, 1))):
+        expected = np.broadcast_to(np.array((0.5, 0.25)) * factors, made["uv"].shape)
+        np.testing.assert_allclose(made["uv"], expected, rtol=1e-5)
+
+
+def test_textures_color_emitted_light():
+    """MuJoCo multiplies emitted light by the texture, whose green is 0.5 in sRGB, which is 0.2140411."""
+    model = mujoco.MjModel.from_xml_string("""<mujoco><asset>
+        <texture name="t" type="2d" builtin="flat" rgb1="1 0.5 0" width="8" height="8"/>
+        <material name="bright" texture="t" emission="0.5" rgba="1 1 1 1"/><material name="dark" texture="t"/></asset>
+        <worldbody><geom type="plane" size="1 1 1" material="bright"/>
+        <geom type="plane" size="1 1 1" material="dark" pos="5 0 0"/><camera pos="0 0 2"/></worldbody></mujoco>""")
+    robot = latelight.from_mujoco(model)
+    bright, dark = (robot.scene.instance(i).material for i in robot.instances)
+    assert robot.scene.texture_of(bright, "emissive") == robot.scene.texture_of(bright, "base_color") is not None
+    assert robot.scene.texture_of(dark, "emissive") is None
+    renderer = latelight.Renderer(robot.scene, device="cpu", environment="none")
+    frame = renderer.render(robot.cameras[0], (8, 8), "color")
+    np.testing.assert_allclose(frame["color"][4, 4, :3], 0.5 * np.array((1, 0.2140411, 0)), atol=2e-3)
+
+
+def test_meshes_without_texture_coordinates_have_sharp_edges():
+    """MuJoCo stores one normal per vertex of a cuboid, and its renderer shows those of the faces. A round shape keeps
+    the normals of its vertices, as does a cuboid with texture coordinates and normals along its diagonals."""
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    index = np.arange(200)
+    z, angle = 1 - (2 * index + 1) / 200, np.pi * (3 - 5**0.5) * index
+    sphere = np.stack([np.sqrt(1 - z**2) * np.cos(angle), np.sqrt(1 - z**2) * np.sin(angle), z], 1)
+    text = lambda rows: " ".join(f"{number:.6f}" for row in rows for number in row)
+    faces = "0 1 3 0 3 2 4 6 7 4 7 5 0 4 5 0 5 1 2 3 7 2 7 6 0 2 6 0 6 4 1 5 7 1 7 3"
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
+        <mesh name="cube" vertex="{text(corners)}"/><mesh name="ball" vertex="{text(sphere)}"/>
+        <mesh name="mapped" vertex="{text(corners)}" normal="{text(corners)}" face="{faces}"
+        texcoord="{text(np.zeros((8, 2)))}"/></asset><worldbody><geom type="mesh" mesh="cube"/><geom type="mesh" mesh="ball"/><geom type="mesh" mesh="mapped"/>
+        </worldbody></mujoco>"""))
+    cube, ball, mapped = (robot.scene.mesh_arrays(robot.scene.instance(i).mesh) for i in robot.instances)
+    triangles = cube["positions"][cube["indices"]]
+    expected = np.sign(triangles.mean(axis=1).round(3)) * (np.abs(triangles.mean(axis=1)) > 0.9)
+    np.testing.assert_allclose(cube["normals"][cube["indices"]], np.repeat(expected[:, None], 3, 1), atol=1e-5)
+    np.testing.assert_allclose(np.abs(mapped["normals"]), 3**-0.5, atol=1e-5)
+    center = np.ptp(ball["positions"], axis=0) / 2 + ball["positions"].min(axis=0)
+    radial = (ball["positions"] - center) / np.linalg.norm(ball["positions"] - center, axis=1, keepdims=True)
+    assert (radial * ball["normals"]).sum(axis=1).min() > 0.99, "those of the vertices"
+    edges = ball["positions"][ball["indices"]]
+    flat = np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0])
+    flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+    assert np.median((flat[:, None] * ball["normals"][ball["indices"]]).sum(axis=-1)) < 0.995, "not those of faces"
+
+
 def test_a_white_plane_has_the_diffuse_color_of_a_light_above(tmp_path):
     path = tmp_path / "plane.xml"
     path.write_text(
@@ -250,6 +320,46 @@ def test_lights_have_the_types_and_shadows_of_mujoco():
         "directional false": ("directional", False), "point true": ("point", True), "point false": ("point", False),
         "wide": ("point", True),
     }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "attenuation, color",  # on screen, of a white surface that is 2 m from the light
+    [("1 0 0", 0.8), ("1 0.5 0", 0.4), ("1 0 0.75", 0.2), ("0 0 0.5", 0.4), ("0 0 0", 0.8)],
+)
+def test_lights_fade_like_those_of_mujoco(attenuation, color):
+    """The model's center is 2 m below the light."""
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><statistic center="0 0 0"/><worldbody>
+        <light type="spot" pos="0 0 2" dir="0 0 -1" cutoff="60" attenuation="{attenuation}" diffuse="0.8 0.8 0.8"/>
+        <geom type="plane" size="3 3 .1" rgba="1 1 1 1" material="chalk"/><camera pos="0 0 1.5"/></worldbody>
+        <asset><material name="chalk" roughness="1"/></asset></mujoco>"""))
+    renderer = latelight.Renderer(robot.scene, device="cpu", environment="none")
+    frame = renderer.render(robot.cameras[0], (65, 65), "color", shadows="none")
+    expected = ((color + 0.055) / 1.055) ** 2.4  # sRGB, IEC 61966-2-1
+    np.testing.assert_allclose(frame["color"][32, 32, :3], expected, rtol=0.06)
+
+
+@pytest.mark.parametrize("cutoff, exponent", [(60, 10), (45, 10), (80, 2), (30, 50)])
+def test_spot_lights_fade_like_those_of_mujoco(cutoff, exponent):
+    """On screen, the color halves where the cosine to the power of the exponent is 0.5, and ends within the cutoff."""
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><worldbody>
+        <light type="spot" cutoff="{cutoff}" exponent="{exponent}"/></worldbody></mujoco>"""))
+    light = robot.scene.light(robot.lights[0])
+    cosines = {name: np.cos(np.radians(getattr(light, name))) for name in ("inner_cone", "outer_cone")}
+    cosine = 0.5 ** (1 / exponent)
+    # KHR_lights_punctual: the square of the cosine's position between the cones
+    falloff = (cosine - cosines["outer_cone"]) / (cosines["inner_cone"] - cosines["outer_cone"])
+    np.testing.assert_allclose(falloff**2, 0.2140411, rtol=1e-4)  # 0.5 in sRGB
+    assert 0 <= light.inner_cone < light.outer_cone <= cutoff + 1e-6
+
+
+def test_spot_lights_have_edges_and_may_have_no_cone():
+    """Without an exponent, the cone has a sharp edge. A cutoff of 0 lights nothing."""
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string("""<mujoco><worldbody>
+        <light name="sharp" type="spot" cutoff="40" exponent="0"/><light type="spot" cutoff="0"/>
+        <light type="spot" cutoff="-10"/></worldbody></mujoco>"""))
+    (sharp,) = (robot.scene.light(light) for light in robot.lights)
+    assert sharp.name == "sharp"
+    np.testing.assert_allclose((sharp.inner_cone, sharp.outer_cone), (38, 40), rtol=1e-5)
 
 
 ORTHOGRAPHIC = 'projection="orthographic"' if hasattr(mujoco, "mjtProjection") else 'orthographic="true"'
@@ -298,17 +408,54 @@ def test_wrong_arguments_are_refused(model, robot, tmp_path):
         latelight.from_mujoco(3)
     with pytest.raises(latelight.InputError, match="does not exist"):
         latelight.from_mujoco(tmp_path / "missing.xml")
-    (tmp_path / "broken.xml").write_text("<mujoco>")
-    with pytest.raises(latelight.InputError, match="MuJoCo cannot load it"):
+    (tmp_path / "broken.xml").write_text('<mujoco>\n<worldbody><geom size="x"/></worldbody></mujoco>')
+    with pytest.raises(latelight.InputError, match="MuJoCo cannot load it") as error:
         latelight.from_mujoco(tmp_path / "broken.xml")
+    assert "\n" not in str(error.value)
+    with pytest.raises(latelight.InputError, match=f"{tmp_path} is a folder: give"):
+        latelight.from_mujoco(tmp_path)
     with pytest.raises(latelight.UsageError, match="require each other"):
         robot.worlds(geom_xpos=np.zeros((1, model.ngeom, 3)))
     with pytest.raises(latelight.UsageError, match="data must be an MjData, or a list with one per world"):
         robot.worlds([])
     with pytest.raises(latelight.UsageError, match="must have the shape"):
         robot.worlds(geom_xpos=np.zeros((model.ngeom, 3)), geom_xmat=np.zeros((model.ngeom, 9)))
-    with pytest.raises(latelight.UsageError, match="all of the model's elements, and has 2"):
-        robot.worlds(geom_xpos=np.zeros((1, 2, 3)), geom_xmat=np.zeros((1, 2, 9)))
+    for elements in (2, model.ngeom + 1):
+        with pytest.raises(latelight.UsageError, match=f"all of the model's elements, .*, and has {elements}"):
+            robot.worlds(geom_xpos=np.zeros((1, elements, 3)), geom_xmat=np.zeros((1, elements, 9)))
+    with pytest.raises(latelight.UsageError, match="geom_xmat must have the shape"):
+        robot.worlds(geom_xpos=np.zeros((2, model.ngeom, 3)), geom_xmat=np.zeros((3, model.ngeom, 9)))
+    for groups in (3, "012", [0.5]):
+        with pytest.raises(latelight.ArgumentTypeError, match="groups must be a list of integers"):
+            latelight.from_mujoco(model, groups=groups)
+
+
+def test_states_of_wrong_types_are_refused(model, robot):
+    data = data_at(model, 0, 1)
+    for wrong in (3, model, [data, 3]):
+        with pytest.raises(latelight.ArgumentTypeError, match="data must be an? .*MjData.* per world, not "):
+            robot.worlds(wrong)
+    other = mujoco.MjModel.from_xml_string("<mujoco><worldbody><geom size='.1'/></worldbody></mujoco>")
+    with pytest.raises(latelight.UsageError, match="must be of one model"):
+        robot.worlds([data, mujoco.MjData(other)])
+    with pytest.raises(latelight.UsageError, match="all of the model's elements"):
+        latelight.from_mujoco(other).worlds(data)
+    with pytest.raises(latelight.ArgumentTypeError, match="must be an array of numbers, not str"):
+        robot.worlds(geom_xpos="x", geom_xmat=np.zeros((1, model.ngeom, 9)))
+    for ids in (0, ["eye"], [0.7]):
+        with pytest.raises(latelight.ArgumentTypeError, match="camera_ids must be a list of integers"):
+            robot.worlds(data, camera_ids=ids)
+    for ids in ([-1], [2]):
+        with pytest.raises(latelight.UsageError, match="indices of the model's cameras, of which there are 2"):
+            robot.worlds(data, camera_ids=ids)
+    # Lists of arrays, tuples, generators and arrays of objects are lists, too.
+    expected = robot.worlds([data, data])
+    given = {name: np.stack([getattr(data, name)] * 2).tolist()
+             for name in ("geom_xpos", "geom_xmat", "cam_xpos", "cam_xmat")}
+    for same in (robot.worlds(d for d in (data, data)), robot.worlds(np.array([data, data], object)),
+                 robot.worlds((data, data)), robot.worlds(**given)):
+        for name in ("transforms", "camera_to_world"):
+            np.testing.assert_array_equal(same[name], expected[name])
 
 
 def falling(gymnasium, xml):
@@ -354,6 +501,19 @@ def test_vector_environments_have_pixels():
     np.testing.assert_array_equal(moved["pixels"][1], seen["pixels"][1])
     with pytest.raises(latelight.UsageError, match="SyncVectorEnv of MuJoCo environments"):
         latelight.add_pixels(gymnasium.make_vec("CartPole-v1", 2))
+    wrong = [
+        ({"size": 64}, "size must be a list of integers"), ({"size": (64.0, 64)}, "size must be a list of integers"),
+        ({"size": (0, 64)}, "size must be a width and a height above 0"), ({"cameras": 0}, "cameras must be a Camera"),
+        ({"cameras": []}, "cameras must have at least one"), ({"scene": 3}, "scene must be a MujocoScene, not int"),
+    ]
+    for arguments, message in wrong:
+        with pytest.raises(latelight.UsageError, match=message):
+            latelight.add_pixels(gymnasium.vector.SyncVectorEnv([Fall, Fall]), device="cpu", **arguments)
+    nothing = latelight.add_pixels(
+        gymnasium.vector.SyncVectorEnv([Fall, Fall]), renderer=envs.renderer, cameras=latelight.Camera(),
+        worlds=lambda envs: None)
+    with pytest.raises(latelight.ArgumentTypeError, match="worlds must return a dict .*, not NoneType"):
+        nothing.reset()
     for name, value in (("channels_first", True), ("on_device", True), ("outputs", "id"), ("out", {})):
         with pytest.raises(latelight.UsageError, match=f"so it has no option {name}$"):
             latelight.add_pixels(gymnasium.vector.SyncVectorEnv([Fall, Fall]), device="cpu", **{name: value})

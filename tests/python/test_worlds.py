@@ -68,6 +68,52 @@ def test_outputs_are_found_by_name(scene, worlds_renderer, camera):
     assert worlds[1] in worlds and worlds[1][0] in worlds[1] and worlds[1][0] not in worlds
 
 
+def test_empty_lists_have_empty_arrays(scene, worlds_renderer, camera):
+    """A scene without the elements that worlds describe, such as a model without geoms, needs no other call."""
+    expected = worlds_renderer.render_worlds(2, camera, SIZE, OUTPUTS)
+    nothing = {
+        "instances": {"transforms": (0, 3, 4), "previous_transforms": (0, 4, 4), "base_color": (0, 4), "metallic": (0,)},
+        "lights": {"light_position": (0, 3), "light_intensity": (0,)},
+        "joints": {"joint_transforms": (0, 4, 4)},
+        "meshes": {"vertices": (0, 3)},
+    }
+    for name, arrays in nothing.items():
+        given = {array: np.zeros((2, *shape)) for array, shape in arrays.items()}
+        for empty in ([], ()):
+            frames = worlds_renderer.render_worlds(2, camera, SIZE, OUTPUTS, **{name: empty}, **given)
+            for output in OUTPUTS:
+                np.testing.assert_array_equal(frames[output], expected[output])
+        for array in arrays:
+            for wrong in (np.zeros((2, 1, *arrays[array][1:])), np.zeros((3, *arrays[array])), 1.0):
+                with pytest.raises(latelight.UsageError, match=rf"{array} must have the shape \(2, 0, ...\), .*{name} is"):
+                    worlds_renderer.render_worlds(2, camera, SIZE, OUTPUTS, **{name: []}, **{array: wrong})
+    none = latelight.Scene()
+    frames = latelight.Renderer(none).render_worlds(
+        2, camera, SIZE, OUTPUTS, instances=[], transforms=np.zeros((2, 0, 3, 4)), exists=np.zeros((2, 0), bool),
+        materials=[none.add_material(latelight.Material())], material_choice=np.zeros((2, 0), np.int64))
+    assert not frames["id"].any()
+
+
+def test_casts_ignore_cameras(scene, worlds_renderer):
+    """The arguments that describe worlds of images with several cameras also describe those of a cast."""
+    transforms = np.array([[at(-1), at(1)], [at(-1, 0, 1), at(1)]])
+    given = {"instances": scene.instances(), "transforms": transforms}
+    cameras = {"camera_to_world": np.zeros((2, 7, 3, 4)), "k": np.zeros((2, 7, 3, 3)), "camera_instances": [None] * 7}
+    origins, directions = np.tile((-1.0, 0, 5), (2, 1, 1)), np.tile((0.0, 0, -1), (2, 1, 1))
+    hits = worlds_renderer.cast_worlds(2, origins, directions, outputs="distance", **given, **cameras)
+    np.testing.assert_allclose(hits["distance"], [[5], [4]], rtol=1e-6)
+    ticket = worlds_renderer.submit_cast_worlds(2, origins, directions, outputs="distance", **given, **cameras)
+    np.testing.assert_allclose(ticket.take()["distance"], [[5], [4]], rtol=1e-6)
+
+
+def test_lights_are_listed_once(camera):
+    lit = latelight.Scene("builtin:boxes")
+    light = lit.add_light(latelight.Light(position=(1, 3, 1), intensity=20))
+    with pytest.raises(latelight.UsageError, match="lights of worlds must be listed once each"):
+        latelight.Renderer(lit).render_worlds(
+            1, camera, SIZE, "rgba", lights=[light, light], light_intensity=np.ones((1, 2)))
+
+
 def test_cameras_have_poses_and_matrices(worlds_renderer, camera):
     poses = np.stack([[latelight.Camera.look_at((x, 1, 4), (0, 0, 0)).camera_to_world] for x in (-1.0, 0.5, 2.0)])
     k = np.tile([[20.0, 0, 11], [0, 20, 9], [0, 0, 1]], (3, 1, 1, 1))

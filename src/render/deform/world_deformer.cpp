@@ -20,14 +20,6 @@ vk::PipelineRef pipelineOf(vk::Device& device, const char* shader) {
       vk::ComputeDesc{.shader = shader, .pushBytes = sizeof(WorldDeformPush), .name = "deform worlds"});
 }
 
-// Uploads the values if they differ from those of the last call.
-template <typename T>
-void uploadChanged(GpuList<T>& list, std::vector<T>& last, std::vector<T>&& values, vk::Uploader& uploader) {
-  if (values.size() == last.size() && std::memcmp(values.data(), last.data(), values.size() * sizeof(T)) == 0) return;
-  last = std::move(values);
-  if (!last.empty()) list.upload(uploader, last);
-}
-
 void ensure(vk::Device& device, vk::Buffer& buffer, uint64_t bytes, const char* name) {
   constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
   if (!buffer || buffer.size() < bytes) buffer = vk::Buffer(device, {.size = bytes, .usage = kUsage, .name = name});
@@ -230,8 +222,7 @@ void WorldDeformer::uploadFans(const scene::Scene& scene, vk::Uploader& uploader
     if (!part.skinned) meshes.push_back(part.mesh);
   const uint64_t revision = scene.edits.meshes.revision();
   if (meshes != fanMeshes_ || revision != meshRevision_) {
-    fanMeshes_ = meshes;
-    meshRevision_ = revision;
+    meshRevision_.reset();  // until the uploads have succeeded
     firstFans_.clear();
     std::vector<uint32_t> first;
     std::vector<DeviceFanTriangle> triangles;
@@ -243,6 +234,8 @@ void WorldDeformer::uploadFans(const scene::Scene& scene, vk::Uploader& uploader
     }
     if (!first.empty()) fans_.upload(uploader, first);
     if (!triangles.empty()) fanTriangles_.upload(uploader, triangles);
+    fanMeshes_ = meshes;
+    meshRevision_ = revision;
   }
   size_t next = 0;
   for (Part& part : parts_)

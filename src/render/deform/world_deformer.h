@@ -115,7 +115,7 @@ class WorldDeformer {
   std::vector<Part> parts_;
   const Deformer* deformer_ = nullptr;
   uint32_t worlds_ = 0, slots_ = 1, jointCount_ = 0, firstMesh_ = 0;
-  uint64_t meshRevision_ = 0;                             // of the scene's meshes when the fans were uploaded
+  std::optional<uint64_t> meshRevision_ = 0;              // of the scene's meshes when the fans were uploaded
   std::vector<uint32_t> fanMeshes_;                       // meshes whose fans were uploaded
   std::vector<std::pair<uint64_t, uint64_t>> firstFans_;  // by these: elements before its own in both lists
   bool pending_ = false;

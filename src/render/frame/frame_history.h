@@ -22,6 +22,7 @@ class FrameHistory {
   bool fits(uint32_t width, uint32_t height, size_t views) const;
   uint32_t frames() const { return frames_; }        // since the history began
   void undo() { newest_ = 1 - newest_, --frames_; }  // reverts the last advance()
+  void forget() { frames_ = 0; }                     // the next frame is the first one of a sequence
 
   // The next frame is the first one of a sequence.
   void begin(const FrameContext& f);

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <numeric>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "vk/resources.h"
@@ -48,13 +50,25 @@ class GpuList {
   void reserve(size_t count) {
     if (buffer_ && count <= capacity_) return;
     // The first allocation has exactly the required capacity; later ones add spare capacity.
-    capacity_ = buffer_ ? std::bit_ceil(count) : count;
-    buffer_ = vk::Buffer(device_, {.size = capacity_ * sizeof(T), .name = name_});
+    const size_t capacity = buffer_ ? std::bit_ceil(count) : count;
+    buffer_ = vk::Buffer(device_, {.size = capacity * sizeof(T), .name = name_});  // may throw
+    capacity_ = capacity;
   }
   vk::Device& device_;
   const char* name_;
   vk::Buffer buffer_;
   size_t capacity_ = 0;
 };
+
+// Uploads the values if they differ from `last`, those of the last call. If the upload fails, the next call repeats it.
+template <typename T>
+void uploadChanged(GpuList<T>& list, std::vector<T>& last, std::vector<T>&& values, vk::Uploader& uploader) {
+  if (values.size() == last.size() &&
+      (values.empty() || std::memcmp(values.data(), last.data(), values.size() * sizeof(T)) == 0))
+    return;
+  last.clear();
+  if (!values.empty()) list.upload(uploader, values);
+  last = std::move(values);
+}
 
 }  // namespace latelight::render

@@ -107,17 +107,20 @@ void GpuGeometry::update(vk::Uploader& uploader, std::span<const uint32_t> chang
 }
 
 void GpuGeometry::storeClusters(vk::Uploader& uploader) {
-  if (std::exchange(hasClusters_, true)) return;
+  if (hasClusters_) return;
   clusters_.resize(scene_.meshes.size());
   for (uint32_t mesh = 0; mesh < clusters_.size(); ++mesh) uploadClusters(uploader, mesh);
   list_.upload(uploader, posedRecords(deformer_));
+  hasClusters_ = true;
 }
 
 void GpuGeometry::uploadClusters(vk::Uploader& uploader, uint32_t index) {
   const scene::Mesh& mesh = scene_.meshes[index];
-  clusters_[index] = vk::Buffer();
-  records_[index].clusters = {};
-  if (mesh.indices.empty()) return;
+  if (mesh.indices.empty()) {
+    clusters_[index] = vk::Buffer();
+    records_[index].clusters = {};
+    return;
+  }
   const glm::vec3 origin = scene::vertexOrigin(mesh);
   const scene::Clusters all = clustersAround(origin, mesh);
   std::vector<shared::VertexPosition> positions;
@@ -144,18 +147,25 @@ bool GpuGeometry::listsVertices(uint32_t mesh) const {
 uint32_t GpuGeometry::derive(vk::Uploader& uploader, std::vector<DerivedMesh> derived, uint32_t worlds) {
   derived_ = std::move(derived);
   everDerived_.resize(records_.size());
-  bool changed = false;
   for (const DerivedMesh& mesh : derived_) {
     const bool listed = listsVertices(mesh.mesh);
     everDerived_[mesh.mesh] = 1;
     if (listed || !hasClusters_) continue;
-    uploadClusters(uploader, mesh.mesh);
-    changed = true;
+    staleRecords_ = true;
+    try {
+      uploadClusters(uploader, mesh.mesh);
+    } catch (...) {
+      everDerived_[mesh.mesh] = 0;
+      throw;
+    }
   }
   const size_t count = records_.size() + worlds * derived_.size();
-  const bool grows = list_.capacity() < count;
-  if (grows) list_.resize(count);
-  if (grows || changed) list_.upload(uploader, posedRecords(deformer_));
+  if (list_.capacity() < count) {
+    list_.resize(count);
+    staleRecords_ = true;
+  }
+  if (staleRecords_) list_.upload(uploader, posedRecords(deformer_));
+  staleRecords_ = false;
   return static_cast<uint32_t>(records_.size());
 }
 

@@ -76,6 +76,7 @@ class GpuGeometry {
   std::vector<vk::Buffer> buffers_;   // by mesh: indices, positions, attributes, extras
   std::vector<vk::Buffer> clusters_;  // by mesh; empty before storeClusters()
   bool hasClusters_ = false;
+  bool staleRecords_ = false;           // the device lacks records of derived meshes, because an upload failed
   const Deformer* deformer_ = nullptr;  // holds the vertices of deformed meshes; null: they are at rest
   std::vector<shared::Mesh> records_;   // at rest
   std::vector<VertexStreams> rest_, posed_;

@@ -54,6 +54,7 @@ void GpuScene::update(const Poses& poses, const std::optional<scene::Light>& sun
   follow();
   if (poseChanges) pose(poses);
   if (lightsMove || now.lights != seen_.lights || sun != sun_ || lightsOrigin_ != origin()) {
+    seen_.lights = ~uint64_t{0};  // so that a call after a failure repeats this
     sun_ = sun;
     lightsOrigin_ = origin();
     lights_.set(uploads_, lightsIn(poses), origin());
@@ -161,16 +162,18 @@ void GpuScene::follow() {
 }
 
 void GpuScene::pose(const Poses& poses) {
-  posed_ = !poses.current.empty();
+  const bool posed = !poses.current.empty();
+  posed_ = true;  // until all uploads have succeeded, so that a call after a failure repeats them
   bounds_.reset();
   if (deforms(scene_)) {
     if (!deformer_) deformer_ = std::make_unique<Deformer>(device_, scene_, uploads_);
-    if (posed_) deformer_->pose(poses);
-    deformationWaits_ = posed_;
-    geometry_.pose(uploads_, posed_ ? deformer_.get() : nullptr);
+    if (posed) deformer_->pose(poses);
+    deformationWaits_ = posed;
+    geometry_.pose(uploads_, posed ? deformer_.get() : nullptr);
   }
   instances_.pose(uploads_, poses, deformer_.get());
   materials_.pose(uploads_, scene::posedMaterials(scene_, poses.current));
+  posed_ = posed;
 }
 
 void GpuScene::setLights(std::vector<scene::Light> lights) {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 #include <iterator>
+#include <utility>
 
 namespace latelight::render {
 
@@ -82,7 +83,7 @@ void GpuMaterials::pose(vk::Uploader& uploader, const std::map<uint32_t, shared:
 
 void GpuMaterials::setVariants(vk::Uploader& uploader, std::vector<Variant> variants) {
   const size_t first = scene_.materials.size();
-  if (variants == variants_) return;
+  if (variants == variants_ && !staleRecords_) return;
   variants_ = std::move(variants);
   records_.resize(first + variants_.size());
   std::vector<uint32_t> changed;
@@ -100,15 +101,17 @@ void GpuMaterials::setVariants(vk::Uploader& uploader, std::vector<Variant> vari
     if (std::memcmp(&before, &records_[index], sizeof(before)) != 0) changed.push_back(index);
   }
   const uint64_t revision = sceneRevision_;
-  if (!changed.empty()) uploadRecords(uploader, changed);
+  if (!changed.empty() || staleRecords_) uploadRecords(uploader, changed);
   sceneRevision_ = revision;
 }
 
 // A larger list is another buffer, so the records of the scene are uploaded again.
 void GpuMaterials::reserveDerived(vk::Uploader& uploader, size_t count) {
-  if (records_.size() + count <= list_.capacity()) return;
-  list_.resize(records_.size() + count);
-  if (!records_.empty()) uploadRecords(uploader, allOf(records_.size()));
+  if (records_.size() + count > list_.capacity()) {
+    list_.resize(records_.size() + count);
+    staleRecords_ = true;
+  }
+  if (staleRecords_) uploadRecords(uploader, {});
 }
 
 GpuMaterials::Derivable GpuMaterials::derivable(uint32_t material) const {
@@ -160,8 +163,11 @@ void GpuMaterials::setRecord(uint32_t material, const shared::Material& data) {
 }
 
 void GpuMaterials::uploadRecords(vk::Uploader& uploader, std::span<const uint32_t> changed) {
-  list_.upload(uploader, records_, changed);
-  uploadUniforms(uploader, changed);
+  std::vector<uint32_t> all;
+  if (std::exchange(staleRecords_, true)) changed = all = allOf(records_.size());
+  if (!changed.empty()) list_.upload(uploader, records_, changed);
+  if (!changed.empty()) uploadUniforms(uploader, changed);
+  staleRecords_ = false;
   ++revision_;
   ++sceneRevision_;
 }

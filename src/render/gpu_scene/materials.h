@@ -89,6 +89,7 @@ class GpuMaterials {
   GpuTextures textures_;
   Opacity opacity_;
   std::vector<shared::Material> records_;
+  bool staleRecords_ = false;  // the device lacks some of them, because an upload failed or the list is new
   std::map<uint32_t, shared::Material> posed_;  // records that are not the scene's
   std::vector<Variant> variants_;
   GpuList<shared::Material> list_;

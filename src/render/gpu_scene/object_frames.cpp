@@ -62,9 +62,6 @@ std::vector<VkDeviceAddress> GpuObjectFrames::uploadCurvatures(vk::Uploader& upl
 void GpuObjectFrames::update(vk::Uploader& uploader, const GpuGeometry& geometry, bool curvatures) {
   const uint64_t meshes = scene_.edits.meshes.revision(), instances = scene_.edits.instances.revision();
   if (meshes == meshes_ && instances == instances_ && hasCurvatures_ >= curvatures) return;
-  hasCurvatures_ = curvatures;
-  meshes_ = meshes;
-  instances_ = instances;
   const std::vector<scene::RestFrame> frames = scene::restFrames(scene_);
   std::vector<shared::ObjectFrame> records(frames.size());
   std::vector<VkDeviceAddress> curvaturesOf(frames.size(), 0);
@@ -76,6 +73,9 @@ void GpuObjectFrames::update(vk::Uploader& uploader, const GpuGeometry& geometry
         recordOf(frames[i], scene::vertexOrigin(scene_.meshes[mesh]), geometry.restPositions(mesh), curvaturesOf[i]);
   }
   if (!records.empty()) list_.upload(uploader, records);
+  hasCurvatures_ = curvatures;
+  meshes_ = meshes;
+  instances_ = instances;
 }
 
 }  // namespace latelight::render

@@ -120,10 +120,11 @@ uint32_t GpuTextures::addEntry(const scene::TextureSlot& slot) {
 }
 
 void GpuTextures::storeTexels(vk::Uploader& uploader) {
-  if (std::exchange(hasTexels_, true)) return;
+  if (hasTexels_) return;
   texels_.resize(textures_.size());
   for (uint32_t texture = 0; texture < texels_.size(); ++texture) uploadTexels(uploader, texture);
   uploadRecords(uploader);
+  hasTexels_ = true;
 }
 
 void GpuTextures::uploadTexels(vk::Uploader& uploader, uint32_t index) {

@@ -168,6 +168,7 @@ void GpuWorlds::reserve(vk::Uploader& uploader, const scene::Scene& scene, const
     ++revision_;
     deformedMeshes_ = deformed.meshes();
     derivesMaterials_ = derives;
+    onDevice_ = false;  // until the uploads have succeeded, so that a call after a failure repeats them
     choices_ = std::move(choices);
     palette_ = inputs.palette;
     if (!choices_.empty()) choiceList_.upload(uploader, choices_);
@@ -418,9 +419,7 @@ float GpuWorlds::environmentIntensity(uint32_t world, float others) const {
 }
 
 void GpuWorlds::setEnvironments(vk::Uploader& uploader, std::vector<uint32_t> maps) {
-  if (maps == environmentMaps_) return;
-  environmentMaps_ = std::move(maps);
-  if (!environmentMaps_.empty()) environmentList_.upload(uploader, environmentMaps_);
+  uploadChanged(environmentList_, environmentMaps_, std::move(maps), uploader);
 }
 
 uint32_t GpuWorlds::environmentMap(uint32_t world) const {
@@ -461,8 +460,9 @@ void GpuWorlds::updateValues(vk::Uploader& uploader) {
   const bool same = valuesOnDevice_ == hasOnDevice_ && values.size() == values_.size();
   valuesOnDevice_ = hasOnDevice_;
   if (same && std::memcmp(values.data(), values_.data(), bytes) == 0) return;
+  values_.clear();  // until the upload has succeeded
+  valueList_.upload(uploader, values);
   values_ = std::move(values);
-  valueList_.upload(uploader, values_);
 }
 
 void GpuWorlds::describe(shared::ViewConstants& constants) const {

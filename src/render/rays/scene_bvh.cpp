@@ -17,7 +17,8 @@ namespace {
 // Relative bounds of what rounding to floats can add up to: of a transformed ray, and of a box in world space.
 constexpr double kRounding = 0x1p-20;
 
-constexpr size_t kTrianglesAtOnce = 65536;  // per call of a parallel loop
+constexpr uint64_t kNoRevision = ~uint64_t{0};  // differs from all revisions
+constexpr size_t kTrianglesAtOnce = 65536;      // per call of a parallel loop
 
 // For fewer triangles at once, the host is faster than a GPU and need not wait for it. A CPU device uses the code paths
 // for GPUs only in tests, whose meshes are small.
@@ -108,13 +109,14 @@ void SceneBvh::update() {
   if (geometryRevision_ != gpuScene_.geometry().revision() || instanceRevision_ != instances.revision() ||
       materialRevision_ != gpuScene_.materials().revision()) {
     const Stopwatch stopwatch;
+    geometryRevision_ = kNoRevision;  // until the uploads have succeeded
     followMeshes();
-    geometryRevision_ = gpuScene_.geometry().revision();
-    instanceRevision_ = instances.revision();
-    materialRevision_ = gpuScene_.materials().revision();
     buildInstances();
     emittingInWorlds_.clear();
     recordedEnvironment_.reset();
+    geometryRevision_ = gpuScene_.geometry().revision();
+    instanceRevision_ = instances.revision();
+    materialRevision_ = gpuScene_.materials().revision();
     buildSeconds_ += stopwatch.seconds();
   }
   storeRecord();
@@ -146,12 +148,14 @@ void SceneBvh::followWorlds() {
 void SceneBvh::listWorldEmitters() {
   std::vector<bool> emitting = emittingInWorlds(gpuScene_);
   if (emitting == emittingInWorlds_) return;
-  emittingInWorlds_ = std::move(emitting);
-  const Emitters emitters = emittersOf(scene_, gpuScene_, emittingInWorlds_);
+  emittingInWorlds_.clear();  // until the uploads have succeeded
+  const Emitters emitters = emittersOf(scene_, gpuScene_, emitting);
   worldEmitterCount_ = static_cast<uint32_t>(emitters.triangles.size());
-  if (worldEmitterCount_ == 0) return;
-  worldEmitters_.upload(gpuScene_.uploads(), emitters.triangles);
-  worldEmitterIndices_.upload(gpuScene_.uploads(), emitters.indices);
+  if (worldEmitterCount_ > 0) {
+    worldEmitters_.upload(gpuScene_.uploads(), emitters.triangles);
+    worldEmitterIndices_.upload(gpuScene_.uploads(), emitters.indices);
+  }
+  emittingInWorlds_ = std::move(emitting);
 }
 
 VkDeviceAddress SceneBvh::address(uint32_t world) const {
@@ -314,7 +318,7 @@ void SceneBvh::buildInstances() {
 // Uploads the record of the scene without worlds, if it has changed.
 void SceneBvh::storeRecord() {
   if (gpuScene_.hasWorlds() || recordedEnvironment_ == environment_) return;
-  recordedEnvironment_ = environment_;
+  recordedEnvironment_.reset();  // until the upload has succeeded
   const shared::RayScene record{.nodes = nodes_.address(),
                                 .instances = instances_.address(),
                                 .environment = environment_,
@@ -323,6 +327,7 @@ void SceneBvh::storeRecord() {
                                 .instanceCount = static_cast<uint32_t>(instanceCount_),
                                 .emitterCount = emitterCount_};
   record_.upload(gpuScene_.uploads(), std::span(&record, 1));
+  recordedEnvironment_ = environment_;
 }
 
 void SceneBvh::addChanges(graph::Graph& graph) const {
@@ -336,6 +341,17 @@ void SceneBvh::changesSubmitted() {
   refits_.clear();
   worldMeshes_.submitted();
   worlds_.submitted();
+}
+
+void SceneBvh::discardChanges() {
+  for (const uint32_t mesh : refits_) {
+    meshes_[mesh].revision = kNoRevision;
+    meshes_[mesh].refitted = true;  // its boxes may be those of an earlier pose
+    geometryRevision_ = kNoRevision;
+  }
+  refits_.clear();
+  worldMeshes_.discard();
+  worlds_.discard();
 }
 
 void SceneBvh::recordRefits(graph::Context& context) const {

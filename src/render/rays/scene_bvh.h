@@ -48,6 +48,8 @@ class SceneBvh {
   // pending until changesSubmitted().
   void addChanges(graph::Graph& graph) const;
   void changesSubmitted();
+  // Drops the pending work of a call that failed. The next update() prepares again what it needs of it.
+  void discardChanges();
 
   VkDeviceAddress address(uint32_t world = 0) const;  // shared::RayScene of a world, or of the scene without worlds
   uint32_t emitterCount() const;                      // RayScene::emitterCount; with worlds, the maximum of all

@@ -205,6 +205,7 @@ void Renderer::followWorlds(const SceneState& moment) {
 }
 
 shared::FrameConstants Renderer::prepareRays(const Settings& settings, const SceneState& moment) {
+  discardChanges();
   resolveOverflow();
   sceneInput_.reset();
   createBvh();

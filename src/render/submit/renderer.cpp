@@ -203,6 +203,13 @@ void Renderer::check(const Request& request, bool targets) {
   checkJob(RenderJob({&camera, 1}, scene, settings, moment, settings.height), scene, settings, moment);
 }
 
+// Drops the pending work of a call that failed before it was submitted. Uploads stay pending, because the device's
+// lists are complete only with them.
+void Renderer::discardChanges() {
+  worldPlacer_.discardChanges();
+  if (bvh_) bvh_->discardChanges();
+}
+
 void Renderer::begin(const Settings& settings, const SceneState& moment) {
   // Batches in flight depend on the scene's state, so nothing may change before it is known that none overflowed.
   checkScene(device_, scene_, hasEnvironment_, settings, moment);
@@ -214,6 +221,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
     return;
   }
   placedInput_.reset();
+  discardChanges();
   if (input.posed || sceneInput_ != input) resolveOverflow();
   sceneInput_.reset();
   if (tracesRays(settings)) createBvh();
@@ -254,13 +262,13 @@ std::vector<uint32_t> Renderer::selectEnvironments(const WorldStates& worlds) {
   state_.environment = &environment_;
   state_.hasEnvironment = hasEnvironment_ || !worlds.environments.empty();
   if (worlds.environments.empty()) return {};
-  std::vector<const scene::Environment*>& known = worldEnvironmentSources_;
-  const size_t before = known.size();
+  std::vector<const scene::Environment*> known = worldEnvironmentSources_;
   for (const scene::Environment* environment : worlds.environments)
     if (std::ranges::find(known, environment) == known.end()) known.push_back(environment);
-  if (known.size() > before) {
+  if (known.size() > worldEnvironmentSources_.size()) {
     replays_.clear();
     worldEnvironments_ = std::make_unique<GpuEnvironment>(device_, known);
+    worldEnvironmentSources_ = known;
     worldCells_ = {};
   }
   state_.environment = worldEnvironments_.get();
@@ -571,11 +579,17 @@ Renderer::Start Renderer::build(ViewBatch& part, std::optional<uint64_t> maxByte
   }
   if (job.exposesMotion) moveTo(part, CameraSample{}, requestsOutput(job.settings, Origin::LightCounts));
   FrameGraphBuilder& request = addRequest(part, job.exposes ? CameraSample{} : samples.back());
-  request.finish(sum, historiesOf(part));
-  request.exportResults(job.results);
-  const Start started = submitRequest(part, separate == 0 ? maxBytes : std::nullopt);
-  if (started.outcome == Start::TooManyViews) undoHistories(job.settings);
-  return started;
+  try {
+    request.finish(sum, historiesOf(part));
+    request.exportResults(job.results);
+    const Start started = submitRequest(part, separate == 0 ? maxBytes : std::nullopt);
+    if (started.outcome == Start::TooManyViews) undoHistories(job.settings);
+    return started;
+  } catch (...) {  // the frame that the histories would continue was not rendered
+    history_.forget();
+    indirectHistory_.forget();
+    throw;
+  }
 }
 
 // Renders one of several samples and adds it to the sum.

@@ -117,6 +117,7 @@ class Renderer {
  private:
   friend class Ticket;
   bool foundVastWorlds(const ViewBatch& part);
+  void discardChanges();
   void begin(const Settings& settings, const SceneState& moment);
   std::shared_ptr<RenderJob> start(std::span<const scene::Camera> cameras, const Settings& settings,
                                    const SceneState& moment, std::span<const Strip> strips,

@@ -53,10 +53,7 @@ void WorldBvh::update(const GpuScene& scene, std::vector<shared::MeshHierarchy> 
                   worldPipeline(device_, "world_emitters.comp", "emitters of worlds")};
   const size_t count = worlds.count(), all = count * instances, nodes = std::max(instances, 2u) - 1;
   if (meshes.empty()) meshes.emplace_back();
-  const bool same = meshes.size() == meshValues_.size() &&
-                    std::memcmp(meshes.data(), meshValues_.data(), meshes.size() * sizeof(meshes[0])) == 0;
-  if (!same) meshes_.upload(uploader, meshes);
-  meshValues_ = std::move(meshes);
+  uploadChanged(meshes_, meshValues_, std::move(meshes), uploader);
   keys_.resize(std::max<size_t>(all, 1));
   boxes_.resize(std::max<size_t>(all, 1));
   nodes_.resize(count * nodes);

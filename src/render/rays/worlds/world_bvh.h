@@ -33,6 +33,7 @@ class WorldBvh {
   // Adds the pending build to the prologue of a graph, after what writes instances and the BVHs of meshes.
   void addTo(graph::Graph& graph) const;
   void submitted() { pending_ = false; }
+  void discard() { pending_ = false; }  // after a call that failed
 
   VkDeviceAddress address() const { return scenes_.address(); }  // shared::RayScene[worlds]
   uint64_t bytes() const;                                        // device memory

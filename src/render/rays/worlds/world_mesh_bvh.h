@@ -29,6 +29,8 @@ class WorldMeshBvh {
   // Adds the pending refit to the prologue of a graph, after what writes the vertices of worlds.
   void addTo(graph::Graph& graph) const;
   void submitted();
+  // Drops the pending refit of a call that failed. The copies stay pending, because later refits require them.
+  void discard() { pending_ = false; }
 
   uint64_t bytes() const { return nodes_ ? nodes_.size() : 0; }  // device memory
 

@@ -45,9 +45,7 @@ void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::
   const uint64_t instances = scene.instances().revision(), materials = scene.materials().revision();
   const uint64_t worlds = scene.worlds().revision();
   if (instances_ == instances && materials_ == materials && worlds_ == worlds) return;
-  instances_ = instances;
-  materials_ = materials;
-  worlds_ = worlds;
+  instances_ = ~uint64_t{0};  // until the uploads have succeeded, so that a call after a failure repeats them
   records_.clear();
   partDrawIndices_.clear();
   all_ = {};
@@ -65,7 +63,13 @@ void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::
       add(scene, instance);
     if (kind == DrawOrder::Kind::Solid) solid_ = all_;
   }
-  if (records_.empty()) return;
+  if (!records_.empty()) upload(scene, uploader);
+  instances_ = instances;
+  materials_ = materials;
+  worlds_ = worlds;
+}
+
+void RasterInstances::upload(const GpuScene& scene, vk::Uploader& uploader) {
   addWorlds(scene);
   if (scene.worlds().onDevice()) {
     templates_.upload(uploader, records_);

@@ -53,6 +53,7 @@ class RasterInstances {
   void add(const GpuScene& scene, uint32_t instance);
   void addDerived(const GpuScene& scene);
   void addWorlds(const GpuScene& scene);
+  void upload(const GpuScene& scene, vk::Uploader& uploader);
 
   std::vector<shared::RasterInstance> records_;  // with worlds, those of each world
   std::vector<uint32_t> partDrawIndices_;

@@ -18,14 +18,6 @@ vk::PipelineRef placerPipeline(vk::Device& device, const char* shader, const cha
   return device.cache().pipeline(vk::ComputeDesc{.shader = shader, .pushBytes = sizeof(PlacePush), .name = name});
 }
 
-// Uploads the values if they differ from those of the last call.
-template <typename T>
-void uploadChanged(GpuList<T>& list, std::vector<T>& last, std::vector<T>&& values, vk::Uploader& uploader) {
-  if (values.size() == last.size() && std::memcmp(values.data(), last.data(), values.size() * sizeof(T)) == 0) return;
-  last = std::move(values);
-  if (!last.empty()) list.upload(uploader, last);
-}
-
 void append(std::vector<double>& numbers, const glm::dmat4& matrix) {
   numbers.insert(numbers.end(), glm::value_ptr(matrix), glm::value_ptr(matrix) + 16);
 }
@@ -278,7 +270,7 @@ void WorldPlacer::addChanges(graph::Graph& graph) const {
     vkCmdFillBuffer(context.get(), statusOnDevice_.get(), 0, worlds * sizeof(uint32_t), 0);
   });
   dispatch(graph, pipelines_->check, worlds * std::max({job_.listed, job_.viewsPerWorld, job_.listedLights, 1u}), 1);
-  if (deformer_->isPending()) deformer_->addTo(graph, statusOnDevice_.address());
+  if (!deformer_->empty()) deformer_->addTo(graph, statusOnDevice_.address());
   if (job_.instanceCount > 0) dispatch(graph, pipelines_->instances, worlds * job_.instanceCount, 1);
   if (job_.bounds) dispatch(graph, pipelines_->bounds, worlds * kPlaceGroup, 1);
   if (job_.lights > 0) dispatch(graph, pipelines_->lights, worlds * kPlaceGroup, 1);

@@ -56,6 +56,8 @@ class WorldPlacer {
   // Adds the pending conversion to the prologue of a graph, after the scene's changes.
   void addChanges(graph::Graph& graph) const;
   void changesSubmitted() { pending_ = false; }
+  // Drops a pending conversion of a call that failed: the arrays and lists that it refers to may no longer exist.
+  void discardChanges() { pending_ = false; }
 
   // The bounds of each world at rest, double[worlds][6], if update() was asked for them.
   VkDeviceAddress bounds() const { return job_.bounds; }
