@@ -24,7 +24,7 @@ glm::dvec3 pivotOf(const scene::Scene& scene, const RenderOptions& o) {
     return scene.yUp ? glm::dvec3(scene::toWorldFromGltf() * glm::dvec4(target, 1)) : target;
   }
   const scene::Bounds bounds = scene::worldBounds(scene);
-  return bounds.empty() ? glm::dvec3(0) : bounds.centre();
+  return bounds.empty() ? glm::dvec3(0) : bounds.center();
 }
 
 // Throws if the frames of a sequence would all be written to one file, or to standard output. `ending` is the example's

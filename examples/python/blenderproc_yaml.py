@@ -126,7 +126,7 @@ def cameras_of(config, job):
     job["options"]["size"] = f"{width}x{height}"
     source = {"type": "list", "cameras": []}
     if "cam_K" in intrinsics:  # pixel centers are whole numbers
-        source |= {"K": np.reshape(intrinsics["cam_K"], (3, 3)).tolist(), "pixelCentre": 0}
+        source |= {"K": np.reshape(intrinsics["cam_K"], (3, 3)).tolist(), "pixelCenter": 0}
     else:
         across = intrinsics.get("fov", 0.691111)  # radians, of the longer side
         source["fov"] = math.degrees(

@@ -35,9 +35,9 @@ source, folder, count = (sys.argv[1:] + ["builtin:spheres", "views", "256"][len(
 out = Path(folder).resolve()
 out.mkdir(parents=True, exist_ok=True)
 low, high = np.array(latelight.Scene(source).bounds)
-centre = (low + high) / 2
+center = (low + high) / 2
 directions = np.random.default_rng(0).normal(size=(int(count), 3))
-eyes = centre + np.linalg.norm(high - low) * directions / np.linalg.norm(directions, axis=1, keepdims=True)
+eyes = center + np.linalg.norm(high - low) * directions / np.linalg.norm(directions, axis=1, keepdims=True)
 
 ray.init(log_to_driver=False)
 gpus = int(ray.cluster_resources().get("GPU", 0))
@@ -46,6 +46,6 @@ pool = ActorPool([remote.remote(source) for _ in range(max(gpus, 1))])
 missing = [number for number in range(int(count)) if not (out / f"{number:06}.npz").exists()]
 parts = [missing[at : at + 64] for at in range(0, len(missing), 64)]
 done = 0
-for finished in pool.map_unordered(lambda views, part: views.render.remote(part, eyes[part], centre, str(out)), parts):
+for finished in pool.map_unordered(lambda views, part: views.render.remote(part, eyes[part], center, str(out)), parts):
     done += finished
     print(f"{done} of {len(missing)} views")

@@ -19,7 +19,7 @@ size = (640, 480)
 scene = latelight.Scene(source)
 renderer = latelight.Renderer(scene)
 low, high = np.array(scene.bounds)
-centre, radius = (low + high) / 2, np.linalg.norm(high - low) / 2
+center, radius = (low + high) / 2, np.linalg.norm(high - low) / 2
 up = 2 if source.lower().endswith((".ply", ".stl")) else 1  # the axis: Z of PLY and STL files, otherwise Y
 encoder = subprocess.Popen(
     ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{size[0]}x{size[1]}", "-r", "24"]
@@ -29,8 +29,8 @@ encoder = subprocess.Popen(
 tickets = deque()
 for angle in np.linspace(0, 2 * np.pi, int(count), endpoint=False):
     around = np.array([np.sin(angle), np.cos(angle)]) * 3
-    eye = centre + radius * np.insert(around, up, 1)
-    tickets.append(renderer.submit(scene.look_at(eye, centre), size, background="#202428", aa="fxaa"))
+    eye = center + radius * np.insert(around, up, 1)
+    tickets.append(renderer.submit(scene.look_at(eye, center), size, background="#202428", aa="fxaa"))
     if len(tickets) == 3:
         encoder.stdin.write(tickets.popleft().take()["rgba"].tobytes())
 for ticket in tickets:

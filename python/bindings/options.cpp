@@ -106,7 +106,7 @@ const std::vector<Keyword>& keywords() {
 }
 
 // Keywords outside the table, for options that the command line has in another form.
-constexpr const char* kBesideTable =
+constexpr const char* kExtraOptions =
     ", previous_cameras: collections.abc.Sequence[Camera] | None = None"
     ", next_cameras: collections.abc.Sequence[Camera] | None = None, continues: bool = False"
     ", formats: collections.abc.Mapping[str, str] | None = None, channels_first: bool = False";
@@ -123,7 +123,7 @@ std::map<std::string, std::string> formatsOf(nb::handle value) {
   return formats;
 }
 
-bool setBesideTable(Options& options, std::string_view name, nb::handle value) {
+bool setExtraOption(Options& options, std::string_view name, nb::handle value) {
   if (name == "previous_cameras")
     options.previousCameras = value.is_none() ? std::vector<Camera>{} : camerasOf(value, name);
   else if (name == "next_cameras")
@@ -162,7 +162,7 @@ constexpr std::array<std::string_view, 16> kArguments{
 void setKeyword(Options& options, const std::string& name, nb::handle value, bool hasSize) {
   const auto found = std::ranges::find(keywords(), name, &Keyword::name);
   if (found != keywords().end()) return found->set(options, value, name);
-  if (!setBesideTable(options, name, value)) rejectKeyword(name, hasSize);
+  if (!setExtraOption(options, name, value)) rejectKeyword(name, hasSize);
 }
 
 void setSize(Options& options, nb::handle size) {
@@ -244,7 +244,7 @@ Options optionsOf(nb::handle size, nb::handle outputs, const nb::dict& keywords)
 }
 
 std::string optionParameters(const std::vector<std::string>& except) {
-  std::string text = kBesideTable;
+  std::string text = kExtraOptions;
   for (const Keyword& keyword : keywords())
     if (std::ranges::find(except, keyword.name) == except.end())
       text += ", " + keyword.name + ": " + typeOf(keyword) + " = " + defaultOf(keyword);

@@ -196,7 +196,6 @@ class Graph {
 
   size_t passCount() const { return passes_.size(); }
   const std::string& passName(uint32_t pass) const { return passes_[pass].name; }
-  Stage passStage(uint32_t pass) const { return passes_[pass].stage; }
   const vk::ImageDesc& desc(ImageId id) const;
   const vk::BufferDesc& desc(BufferId id) const;
 

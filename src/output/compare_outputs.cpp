@@ -143,9 +143,9 @@ struct Pixels {
       return same(x.x, y.x) && same(x.y, y.y) && same(x.z, y.z) ? 0 : kOneFileOnly;
     }
     if (measure == Measure::Angle) return angle(x, y);
-    constexpr double kMillimetre = 1e-3;
+    constexpr double kMillimeter = 1e-3;
     const bool isRounded = a[0]->type == ChannelType::Unorm16 || b[0]->type == ChannelType::Unorm16;
-    return measure == Measure::Relative ? relativeError(x, y, isRounded ? kMillimetre : 0) : glm::length(x - y);
+    return measure == Measure::Relative ? relativeError(x, y, isRounded ? kMillimeter : 0) : glm::length(x - y);
   }
 };
 

@@ -40,10 +40,10 @@ void unorm16(const float* values, size_t count, float scale, float offset, uint1
   for (; i < count; ++i) out[i] = unorm16(values[i] * scale + offset);
 }
 
-uint16_t millimetres(float metres) {
-  if (!(metres > 0) || std::isinf(metres)) return 0;
-  if (metres >= 65.535f) return 65535;
-  return static_cast<uint16_t>(std::max(1.0, std::floor(static_cast<double>(metres) * 1000 + 0.5)));
+uint16_t millimetres(float meters) {
+  if (!(meters > 0) || std::isinf(meters)) return 0;
+  if (meters >= 65.535f) return 65535;
+  return static_cast<uint16_t>(std::max(1.0, std::floor(static_cast<double>(meters) * 1000 + 0.5)));
 }
 
 uint16_t countOf(float count) {

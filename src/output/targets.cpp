@@ -150,8 +150,8 @@ Labelled colorPicture(const RawGbuffer& gbuffer, const RawTarget& target, const 
 Labelled alphaPicture(const RawGbuffer& gbuffer, const RawTarget& target, const Described& part) {
   const Scale scale = scaleOf(target.kind, drawn(gbuffer, target, 3), true);
   return {labelOf(target, part.letters, part.text, scale.note), paint(gbuffer, [&](size_t i) {
-            const uint8_t grey = unorm8(scale.apply(target.values[4 * i + 3]));
-            return std::array<uint8_t, 3>{grey, grey, grey};
+            const uint8_t gray = unorm8(scale.apply(target.values[4 * i + 3]));
+            return std::array<uint8_t, 3>{gray, gray, gray};
           })};
 }
 

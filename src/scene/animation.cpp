@@ -381,13 +381,13 @@ ReachBox deformedBox(const Reach& reach, std::span<const glm::mat4> joints, std:
   ReachBox box{glm::vec3(std::numeric_limits<float>::infinity()), glm::vec3(-std::numeric_limits<float>::infinity())};
   for (const JointSphere& sphere : reach.spheres) {
     const glm::mat4& m = joints[sphere.joint];
-    const glm::vec3 centre(m * glm::vec4(sphere.centre, 1));
+    const glm::vec3 center(m * glm::vec4(sphere.center, 1));
     // A linear map stretches a sphere along axis i by the length of its row i.
     glm::vec3 half;
     for (int i = 0; i < 3; ++i) half[i] = glm::length(glm::vec3(m[0][i], m[1][i], m[2][i])) * (sphere.radius + moved);
     // Slack, because the shader rounds differently.
-    half = half * 1.0001f + (glm::abs(centre) + half) * 1e-6f;
-    box = {glm::min(box.low, centre - half), glm::max(box.high, centre + half)};
+    half = half * 1.0001f + (glm::abs(center) + half) * 1e-6f;
+    box = {glm::min(box.low, center - half), glm::max(box.high, center + half)};
   }
   return box;
 }

@@ -159,7 +159,7 @@ DeformedVertices deform(const Deformation& deformation, std::span<const glm::mat
 // positions under each joint, so the box around the transformed spheres contains the mesh.
 struct JointSphere {
   uint32_t joint;
-  glm::vec3 centre;
+  glm::vec3 center;
   float radius;
   float weight;  // sum of the joint's weights over all vertices
 };

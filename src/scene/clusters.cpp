@@ -91,11 +91,11 @@ shared::Cluster boundsOf(const Mesh& mesh, std::span<const uint32_t> indices) {
     low = glm::min(low, mesh.positions[i]);
     high = glm::max(high, mesh.positions[i]);
   }
-  shared::Cluster cluster{.centre = 0.5f * low + 0.5f * high, .apex = vec3(0), .cutoff = 1, .axis = vec3(0)};
+  shared::Cluster cluster{.center = 0.5f * low + 0.5f * high, .apex = vec3(0), .cutoff = 1, .axis = vec3(0)};
   for (size_t i = 0; i < indices.size(); ++i) {
     const vec3 corner = mesh.positions[indices[i]], next = mesh.positions[indices[i % 3 == 2 ? i - 2 : i + 1]];
-    cluster.radius = std::max(cluster.radius, glm::distance(cluster.centre, corner));
-    cluster.extent = glm::max(cluster.extent, glm::abs(corner - cluster.centre));
+    cluster.radius = std::max(cluster.radius, glm::distance(cluster.center, corner));
+    cluster.extent = glm::max(cluster.extent, glm::abs(corner - cluster.center));
     cluster.edge = std::max(cluster.edge, glm::distance(corner, next));
   }
   if (anyDegenerate(mesh, indices)) return cluster;

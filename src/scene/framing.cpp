@@ -20,7 +20,7 @@ constexpr double kLargest = 1e15;                   // squares of larger values 
 // Returns the visible bounds, which are never empty and always have an extent.
 struct Box {
   dvec3 min, max;
-  dvec3 centre() const { return (min + max) * 0.5; }
+  dvec3 center() const { return (min + max) * 0.5; }
   double radius() const { return glm::length(max - min) * 0.5; }
 };
 
@@ -33,7 +33,7 @@ Box visibleBox(const Scene& scene) {
   if (bounds.empty() || !isFinite(bounds.min) || !isFinite(bounds.max)) return box;
   box = {bounds.min, bounds.max};
   // The bounds are a point, or so small relative to their position that doubles can't resolve a camera around them.
-  const dvec3 c = box.centre();
+  const dvec3 c = box.center();
   const double resolvable = 1e-13 * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
   const double least = std::max(resolvable, 1e-15);
   if (box.radius() < least) {
@@ -60,7 +60,7 @@ Axes orbitAxes(double azimuth, double elevation) {
 // below the resolution of coordinates around an eye. A power of two changes only exponents: the mantissa of a depth is
 // the same for all of them.
 float nearPlane(const Box& box, dvec3 eye) {
-  const double farthest = glm::length(eye - box.centre()) + box.radius();
+  const double farthest = glm::length(eye - box.center()) + box.radius();
   return static_cast<float>(std::ldexp(1.0, std::ilogb(farthest) - 64));
 }
 
@@ -90,7 +90,7 @@ dvec3 fittingEye(const Box& box, const Axes& axes, double h, double v) {
     s = std::max(s, -z - v * y);
   }
   const double ey = std::min(-(p + q) / (2 * h), -(r + s) / (2 * v));
-  return box.centre() + axes.right * ((p - q) * 0.5) + axes.away * ey + axes.up * ((r - s) * 0.5);
+  return box.center() + axes.right * ((p - q) * 0.5) + axes.away * ey + axes.up * ((r - s) * 0.5);
 }
 
 void checkFov(float verticalFov) {
@@ -136,7 +136,7 @@ Camera orbitCamera(const Scene& scene, float azimuth, float elevation, std::opti
   const Axes axes = orbitAxes(azimuth, elevation);
   const double half = std::atan(std::tan(0.5 * verticalFov) * std::min(1.0, double{aspect}));
   const double away = distance ? double{*distance} : box.radius() / std::sin(half) * (1.0 + kMargin);
-  return makeCamera(box, axes, box.centre() - axes.away * away, verticalFov);
+  return makeCamera(box, axes, box.center() - axes.away * away, verticalFov);
 }
 
 Camera lookAt(const Scene& scene, dvec3 eye, dvec3 target, std::optional<dvec3> up, float verticalFov) {

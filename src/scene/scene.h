@@ -247,7 +247,7 @@ struct Scene {
 struct Bounds {
   dvec3 min{std::numeric_limits<double>::infinity()}, max{-std::numeric_limits<double>::infinity()};
   bool empty() const { return min.x > max.x; }
-  dvec3 centre() const { return (min + max) * 0.5; }
+  dvec3 center() const { return (min + max) * 0.5; }
   double radius() const { return empty() ? 0.0 : glm::length(max - min) * 0.5; }
 };
 Bounds worldBounds(const Scene&);  // around the transformed boxes of the meshes of all visible instances, at rest

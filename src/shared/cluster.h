@@ -11,7 +11,7 @@ SH_CONST uint kClusterTriangles = 128u;  // every cluster of a mesh has this man
 SH_CONST uint kClusterVertices = 384u;   // maximum, if no two triangles share a vertex
 
 struct Cluster {  // 68 bytes; object space
-  vec3 centre;    // center of the bounding sphere and of the bounding box
+  vec3 center;    // center of the bounding sphere and of the bounding box
   float radius;
   vec3 extent;   // half extent of the bounding box
   float edge;    // length of the longest triangle edge

@@ -101,8 +101,7 @@ SH_CONST uint kEnvironmentColumns = 1024u;  // powers of two
 SH_CONST uint kEnvironmentRows = 512u;
 SH_CONST uint kEnvironmentTableBytes = 4u * kEnvironmentRows * (kEnvironmentColumns + 1u);
 
-// The values match Indirect.
-SH_CONST uint kIndirectNone = 0u;
+// The values match those of Indirect; 0 is none.
 SH_CONST uint kIndirectOneBounce = 1u;
 SH_CONST uint kIndirectPath = 2u;
 

@@ -97,7 +97,7 @@ std::vector<scene::Camera> allAround(const scene::Scene& scene, const scene::Cam
   const scene::Bounds bounds = scene::worldBounds(scene);
   const glm::dvec3 eye(camera.toWorld[3]);
   const bool inside = glm::all(glm::greaterThan(eye, bounds.min)) && glm::all(glm::lessThan(eye, bounds.max));
-  const glm::dvec3 middle = inside ? eye : bounds.centre();
+  const glm::dvec3 middle = inside ? eye : bounds.center();
   std::vector<scene::Camera> cameras;
   for (uint32_t i = 0; i < count; ++i) cameras.push_back(turned(camera, 2 * glm::pi<double>() * i / count, middle));
   return cameras;

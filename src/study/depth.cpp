@@ -88,33 +88,33 @@ class DepthStudy {
   // Samples view depth from near to far, evenly on a logarithmic scale.
   output::Picture plot(const NamedProjection& named) {
     const shared::Projection& p = named.projection;
-    std::vector<float> metres(count_);
+    std::vector<float> meters(count_);
     std::vector<vec4> depths;
     for (uint32_t i = 0; i < count_; ++i) {
-      metres[i] = float(kNear * std::pow(kFar / kNear, (i + 0.5) / count_));
-      depths.emplace_back(shared::saturate(shared::deviceDepth(p, metres[i])), 0, 0, 0);
+      meters[i] = float(kNear * std::pow(kFar / kNear, (i + 0.5) / count_));
+      depths.emplace_back(shared::saturate(shared::deviceDepth(p, meters[i])), 0, 0, 0);
     }
     std::vector<Line> lines;
     for (const Format& format : kFormats) {
       const vk::Pipeline pipeline = device_.make("study_depth.comp", {{kFormatConstant, format.id}});
       const std::vector<vec4> onDevice = device_.run(pipeline, depths, p);
-      const auto relative = [&](size_t i, float depth) { return std::abs(double{depth} - metres[i]) / metres[i]; };
+      const auto relative = [&](size_t i, float depth) { return std::abs(double{depth} - meters[i]) / meters[i]; };
       const std::vector<double> host = errorsOf(count_, [&](size_t i) {
         return relative(i, shared::viewDepth(p, shared::storedDepth(format.id, depths[i].x)));
       });
       const std::vector<double> device = errorsOf(count_, [&](size_t i) { return relative(i, onDevice[i].y); });
-      addRow(format, named, host, device, metres);
+      addRow(format, named, host, device, meters);
       lines.push_back({format.color, largestOfParts(host)});
     }
     return logPlot(lines, 1e-8, 1, 4);
   }
 
   void addRow(const Format& format, const NamedProjection& named, const std::vector<double>& host,
-              const std::vector<double>& device, const std::vector<float>& metres) {
+              const std::vector<double>& device, const std::vector<float>& meters) {
     const auto all = [](size_t) { return true; };
     const Statistics h = summarize(host, host.size(), all), d = summarize(device, device.size(), all);
     const double count = double(host.size());
-    errors_.rows.push_back({format.name, named.name, h.mean(), h.rms(), h.maximum, double{metres[h.worst]},
+    errors_.rows.push_back({format.name, named.name, h.mean(), h.rms(), h.maximum, double{meters[h.worst]},
                             double(h.lost) / count, d.mean(), d.maximum, double(d.lost) / count});
   }
 

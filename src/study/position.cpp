@@ -44,10 +44,10 @@ Samples makeSamples(const Projection& p, uint32_t count) {
   Samples s;
   for (uint32_t i = 0; i < count; ++i) {
     const float x = float(2 * std::fmod(0.5 + i / kG, 1.0) - 1), y = float(2 * std::fmod(0.5 + i / (kG * kG), 1.0) - 1);
-    const float metres = float(kNear * std::pow(kFar / kNear, (i + 0.5) / count));
-    const float d = shared::saturate(shared::deviceDepth(p, metres));
+    const float meters = float(kNear * std::pow(kFar / kNear, (i + 0.5) / count));
+    const float d = shared::saturate(shared::deviceDepth(p, meters));
     s.inputs.emplace_back(x, y, d, 0);
-    s.drawn.push_back(pointAt(p, x, y, metres));
+    s.drawn.push_back(pointAt(p, x, y, meters));
     s.represented.push_back(pointAt(p, x, y, exactDepth(p, d)));
   }
   return s;

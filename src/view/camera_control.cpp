@@ -102,10 +102,10 @@ void CameraControl::turnTo(double azimuth, double elevation) {
   place(azimuth, elevation, glm::length(view_.eye - view_.target));
 }
 
-void CameraControl::frame(dvec3 centre, double radius, double aspect) {
+void CameraControl::frame(dvec3 center, double radius, double aspect) {
   const Direction d = directionOf(view_.eye - view_.target);
   const double half = std::atan(std::tan(view_.verticalFov / 2) * std::min(1.0, aspect));
-  view_.target = centre;
+  view_.target = center;
   place(d.azimuth, d.elevation, std::max(radius, least()) / std::sin(half));
 }
 

@@ -49,7 +49,7 @@ class CameraControl {
   void turnTo(double azimuth, double elevation);
   // Moves to the closest position from which a sphere fits into a picture of this aspect (width / height), without a
   // change of direction.
-  void frame(glm::dvec3 centre, double radius, double aspect);
+  void frame(glm::dvec3 center, double radius, double aspect);
 
  private:
   void place(double azimuth, double elevation, double distance);

@@ -179,9 +179,9 @@ CameraControl& ViewSession::Impl::steered() {
   const scene::Camera from = camera();
   const scene::Bounds bounds = worldBounds(stage.scene());
   const double radius = bounds.empty() ? 1 : bounds.radius();
-  const glm::dvec3 centre = bounds.empty() ? glm::dvec3(0) : bounds.centre();
+  const glm::dvec3 center = bounds.empty() ? glm::dvec3(0) : bounds.center();
   const glm::dvec3 eye(from.toWorld[3]), away(from.toWorld[1]);
-  const double distance = std::max(glm::dot(centre - eye, away), 0.05 * radius);
+  const double distance = std::max(glm::dot(center - eye, away), 0.05 * radius);
   return control.emplace(Viewpoint{eye, eye + away * distance, shownFov(from, state.width, state.height)}, radius);
 }
 
@@ -212,7 +212,7 @@ void ViewSession::Impl::turnWheel(double steps) {
 
 void ViewSession::Impl::frame(const scene::Bounds& bounds) {
   if (bounds.empty()) return;
-  steered().frame(bounds.centre(), bounds.radius(), 1.0 * state.width / state.height);
+  steered().frame(bounds.center(), bounds.radius(), 1.0 * state.width / state.height);
   touch();
 }
 

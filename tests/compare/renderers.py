@@ -147,7 +147,7 @@ def main():
     parser.add_argument("scene")
     parser.add_argument("--size", default="640x480")
     parser.add_argument("--views", type=int, default=20)
-    parser.add_argument("--distance", type=float, default=3.2, help="of the eye from the origin, metres")
+    parser.add_argument("--distance", type=float, default=3.2, help="of the eye from the origin, meters")
     parser.add_argument("--renderers", default=",".join(RENDERERS))
     parser.add_argument("--baseline", metavar="FOLDER", help="the folder of the package latelight of another build")
     parser.add_argument("--pictures", help="folder for one picture by each, to look at")

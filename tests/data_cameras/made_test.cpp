@@ -55,7 +55,7 @@ TEST(ListTest, KProjectsAsItSays) {
 TEST(ListTest, WhatIsNoFieldOfViewIsALens) {
   const auto cameras = made(R"({"type": "list", "cameras": [
       {"eye": [0, 0, 5], "K": [[500, 0, 320], [0, 400, 240], [0, 0, 1]], "size": [640, 480]},
-      {"eye": [0, 0, 5], "K": [[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]], "size": [640, 480], "pixelCentre": 0,
+      {"eye": [0, 0, 5], "K": [[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]], "size": [640, 480], "pixelCenter": 0,
        "model": "opencv", "distortion": [0.1, -0.2, 0.01, 0.02, 0.3]},
       {"eye": [0, 0, 5], "model": "fisheye", "K": [[300, 0, 320], [0, 300, 240], [0, 0, 1]], "size": [640, 480],
        "distortion": [0.1, 0.2, 0.3, 0.4]},

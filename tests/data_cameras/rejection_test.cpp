@@ -59,18 +59,18 @@ TEST(SurroundingsTest, EdgesCountOnce) {
 
 TEST(SurroundingsTest, AreThoseOfSpheresThatAreScaledAndTurnedInsideOut) {
   scene::Scene scene = scene::load("builtin:spheres");
-  const dvec3 centre(scene::spheresCentre(0, 0));
+  const dvec3 center(scene::spheresCenter(0, 0));
   const auto winding = [&](const glm::mat4& change) {
     scene::Scene changed = scene::load("builtin:spheres");
     for (scene::Instance& instance : changed.instances) instance.toWorld = instance.toWorld * glm::dmat4(change);
-    return Surroundings(changed).inside(centre + dvec3(0.1, 0.1, 0.05));
+    return Surroundings(changed).inside(center + dvec3(0.1, 0.1, 0.05));
   };
   EXPECT_TRUE(winding(glm::mat4(1)));
   // mirrored, with its front faces still outward
   EXPECT_TRUE(winding(glm::mat4(-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1)));
   const Surroundings surroundings(scene);
   for (const double r : {0.0, 0.2, 0.43, 0.45}) {
-    const dvec3 p = centre + dvec3(0, 0, r);
+    const dvec3 p = center + dvec3(0, 0, r);
     EXPECT_EQ(surroundings.inside(p), r < scene::kSpheresRadius) << r;
     // The spheres consist of triangles, which lie slightly inside the true spheres.
     EXPECT_NEAR(surroundings.nearest(p), std::abs(scene::kSpheresRadius - r), 0.002);
@@ -78,7 +78,7 @@ TEST(SurroundingsTest, AreThoseOfSpheresThatAreScaledAndTurnedInsideOut) {
   // A room: the same box with its front faces inward.
   for (scene::Mesh& mesh : scene.meshes)
     for (size_t i = 0; i < mesh.indices.size(); i += 3) std::swap(mesh.indices[i], mesh.indices[i + 1]);
-  EXPECT_FALSE(Surroundings(scene).inside(centre));
+  EXPECT_FALSE(Surroundings(scene).inside(center));
 }
 
 TEST(RejectionTest, LeavesNoCameraInsideOrTooNear) {

@@ -40,12 +40,12 @@ std::vector<double> channel(const ReadImage& image, size_t i) {
 
 TEST_F(FormatFilesTest, DepthIsRoundedToTheNearestStep) {
   const float inf = std::numeric_limits<float>::infinity();
-  const std::vector<float> metres{1.2344f, 1.2346f, 65.535f, 65.54f, 0.0004f, 0.0006f, inf, 255.998f, 256};
-  EXPECT_EQ(channel(png("depth-png", {}, Aov::Depth, metres), 0),
+  const std::vector<float> meters{1.2344f, 1.2346f, 65.535f, 65.54f, 0.0004f, 0.0006f, inf, 255.998f, 256};
+  EXPECT_EQ(channel(png("depth-png", {}, Aov::Depth, meters), 0),
             (std::vector<double>{1234, 1235, 65535, 0, 0, 1, 0, 0, 0}));
-  EXPECT_EQ(channel(png("depth-png", {{"unit", "kitti"}}, Aov::Depth, metres), 0),
+  EXPECT_EQ(channel(png("depth-png", {{"unit", "kitti"}}, Aov::Depth, meters), 0),
             (std::vector<double>{316, 316, 16777, 16778, 0, 0, 0, 65535, 0}));
-  EXPECT_EQ(channel(png("depth-png", {{"scale", 0.1}}, Aov::Depth, metres), 0),
+  EXPECT_EQ(channel(png("depth-png", {{"scale", 0.1}}, Aov::Depth, meters), 0),
             (std::vector<double>{12344, 12346, 0, 0, 4, 6, 0, 0, 0}));
 }
 

@@ -352,7 +352,7 @@ class Bop(unittest.TestCase):
             k, r, t = (np.reshape(camera[name], shape)
                        for name, shape in [("cam_K", (3, 3)), ("cam_R_w2c", (3, 3)), ("cam_t_w2c", 3)])
             in_camera = positions * 1000 @ r.T + t
-            pixels = in_camera @ k.T  # OpenCV's pixels: centres at whole numbers
+            pixels = in_camera @ k.T  # OpenCV's pixels: centers at whole numbers
             np.testing.assert_allclose(pixels[:, 0] / pixels[:, 2], x - 0.5, atol=1e-2)
             np.testing.assert_allclose(pixels[:, 1] / pixels[:, 2], y - 0.5, atol=1e-2)
             for number, gt in enumerate(self.gt[str(image)]):

@@ -10,10 +10,10 @@ namespace latelight::data::test {
 namespace {
 
 dvec3 nearestIn(const OrientedBox& box, dvec3 p) {
-  dvec3 nearest = box.centre;
+  dvec3 nearest = box.center;
   for (int axis = 0; axis < 3; ++axis) {
     const dvec3 half = box.half[axis];  // perpendicular to the others
-    nearest += half * glm::clamp(glm::dot(p - box.centre, half) / glm::dot(half, half), -1.0, 1.0);
+    nearest += half * glm::clamp(glm::dot(p - box.center, half) / glm::dot(half, half), -1.0, 1.0);
   }
   return nearest;
 }
@@ -21,7 +21,7 @@ dvec3 nearestIn(const OrientedBox& box, dvec3 p) {
 // The distance of two boxes by alternating projection, which converges to their nearest points (Cheney and Goldstein
 // 1959, "Proximity maps for convex sets").
 double distanceBetween(const OrientedBox& a, const OrientedBox& b) {
-  dvec3 p = a.centre, q = b.centre;
+  dvec3 p = a.center, q = b.center;
   for (int i = 0; i < 3000; ++i) q = nearestIn(b, p), p = nearestIn(a, q);
   return glm::length(p - q);
 }
@@ -31,7 +31,7 @@ OrientedBox anyBox(Random& random) {
   const dvec3 v(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
   const dvec3 x = glm::normalize(u), y = glm::normalize(glm::cross(u, v)), z = glm::cross(x, y);
   OrientedBox box{.half = {x * random.between(0.1, 1), y * random.between(0.1, 1), z * random.between(0.1, 1)}};
-  for (int axis = 0; axis < 3; ++axis) box.centre[axis] = random.between(-1, 1);
+  for (int axis = 0; axis < 3; ++axis) box.center[axis] = random.between(-1, 1);
   return box;
 }
 
@@ -52,15 +52,15 @@ TEST(OrientedBoxTest, AreApartWhereTheirDistanceIsAboveZero) {
 
 TEST(OrientedBoxTest, MayTouch) {
   const OrientedBox a{};
-  EXPECT_TRUE(areApart(a, {.centre = {2, 0, 0}}, 0));
-  EXPECT_FALSE(areApart(a, {.centre = {1.999, 1.999, 1.999}}, 0));
+  EXPECT_TRUE(areApart(a, {.center = {2, 0, 0}}, 0));
+  EXPECT_FALSE(areApart(a, {.center = {1.999, 1.999, 1.999}}, 0));
   EXPECT_FALSE(areApart(a, a, 0));
 }
 
 // The world-space box of an object's unit cube.
 OrientedBox boxOf(const scene::Scene& scene, const scene::Instance& instance) {
   const scene::Mesh& mesh = scene.meshes[instance.mesh];
-  OrientedBox box{.centre = dvec3(mesh.boundsMin + mesh.boundsMax) * 0.5};
+  OrientedBox box{.center = dvec3(mesh.boundsMin + mesh.boundsMax) * 0.5};
   for (int axis = 0; axis < 3; ++axis) box.half[axis] *= (mesh.boundsMax[axis] - mesh.boundsMin[axis]) * 0.5;
   return transformed(box, dmat4(instance.toWorld));
 }
@@ -88,12 +88,12 @@ TEST(ScatterTest, PutsObjectsOnASurfaceApart) {
     EXPECT_GT(boxes.size(), 6u);
     expectApart(boxes, 0.1);
     for (const OrientedBox& box : boxes) {
-      EXPECT_NEAR(box.centre.z - extentAlong(box, {0, 0, 1}), 0, 1e-6);  // the top of the floor
-      EXPECT_TRUE(std::abs(box.centre.x) <= 12 && box.centre.y >= -9 && box.centre.y <= 6);
+      EXPECT_NEAR(box.center.z - extentAlong(box, {0, 0, 1}), 0, 1e-6);  // the top of the floor
+      EXPECT_TRUE(std::abs(box.center.x) <= 12 && box.center.y >= -9 && box.center.y <= 6);
       for (const scene::BoxesBox& own : scene::boxesBoxes()) {
         if (own.name == "floor" || own.name == "mirrored") continue;
-        const dvec3 low(own.min), high(own.max), centre = (low + high) * 0.5, half = (high - low) * 0.5;
-        const OrientedBox inWorld{.centre = {centre.x, -centre.z, centre.y},
+        const dvec3 low(own.min), high(own.max), center = (low + high) * 0.5, half = (high - low) * 0.5;
+        const OrientedBox inWorld{.center = {center.x, -center.z, center.y},
                                   .half = {dvec3(half.x, 0, 0), dvec3(0, half.z, 0), dvec3(0, 0, half.y)}};
         EXPECT_GE(distanceBetween(box, inWorld), 0.1 - 1e-5);
       }
@@ -111,9 +111,9 @@ TEST(ScatterTest, KeepsToItsVolume) {
     counts.insert(boxes.size());
     expectApart(boxes, 0);
     for (const OrientedBox& box : boxes) {
-      EXPECT_LE(std::abs(box.centre.x) + extentAlong(box, {1, 0, 0}), 3 + 1e-5);
-      EXPECT_LE(std::abs(box.centre.y) + extentAlong(box, {0, 1, 0}), 3 + 1e-5);
-      EXPECT_LE(std::abs(box.centre.z - 6.5) + extentAlong(box, {0, 0, 1}), 1.5 + 1e-5);
+      EXPECT_LE(std::abs(box.center.x) + extentAlong(box, {1, 0, 0}), 3 + 1e-5);
+      EXPECT_LE(std::abs(box.center.y) + extentAlong(box, {0, 1, 0}), 3 + 1e-5);
+      EXPECT_LE(std::abs(box.center.z - 6.5) + extentAlong(box, {0, 0, 1}), 1.5 + 1e-5);
     }
   }
   EXPECT_GE(counts.size(), 4u);
@@ -144,18 +144,18 @@ TEST(ScatterTest, TakesWholeFilesAsOneObject) {
   for (const auto& [id, count] : parts) EXPECT_EQ(count, int(scene::kSpheresColumns * scene::kSpheresRows));
   // "transform" samples positions in the file's frame, here those of its first sphere's center.
   const Json& rows = said[0]["transform"];
-  const dvec3 centre(scene::spheresCentre(0, 0));
+  const dvec3 center(scene::spheresCenter(0, 0));
   dvec3 placed;
   for (int row = 0; row < 3; ++row) {
     const Json& r = rows[static_cast<size_t>(row)];
-    placed[row] = r[0].get<double>() * centre.x + r[1].get<double>() * centre.y + r[2].get<double>() * centre.z +
+    placed[row] = r[0].get<double>() * center.x + r[1].get<double>() * center.y + r[2].get<double>() * center.z +
                   r[3].get<double>();
   }
   double nearest = 1e9;
   for (const scene::Instance& instance : varied.scene.instances)
     if (!instance.removed && varied.scene.nodes[instance.node].path == "/plate-0")
       nearest =
-          std::min(nearest, glm::length(boxOf(varied.scene, instance).centre - dvec3(placed.x, -placed.z, placed.y)));
+          std::min(nearest, glm::length(boxOf(varied.scene, instance).center - dvec3(placed.x, -placed.z, placed.y)));
   EXPECT_LT(nearest, 1e-5);
 }
 

@@ -95,9 +95,9 @@ class Comparison {
     return caster_.castAlong({ray->x, ray->z, -ray->y});
   }
 
-  bool isSteady(dvec2 centre, const std::optional<Hit>& hit) const {
+  bool isSteady(dvec2 center, const std::optional<Hit>& hit) const {
     for (int i = 0; i < 9; ++i) {
-      const std::optional<Hit> other = cast(centre + 0.5 * dvec2(i % 3 - 1, i / 3 - 1));
+      const std::optional<Hit> other = cast(center + 0.5 * dvec2(i % 3 - 1, i / 3 - 1));
       if (other.has_value() != hit.has_value()) return false;
       if (hit && (other->part != hit->part || std::abs(other->distance / hit->distance - 1) > 0.05)) return false;
     }
@@ -106,9 +106,9 @@ class Comparison {
 
   void compare(uint32_t x, uint32_t y, Share& share) const {
     const size_t pixel = size_t{y} * picture_.width + x;
-    const dvec2 centre(x + 0.5, y + 0.5);
-    const std::optional<Hit> hit = cast(centre);
-    const bool steady = isSteady(centre, hit);
+    const dvec2 center(x + 0.5, y + 0.5);
+    const std::optional<Hit> hit = cast(center);
+    const bool steady = isSteady(center, hit);
     const uint32_t part = imageOf(frame_, Aov::Part).ids[pixel];
     ++share.pixels;
     share.covered += hit.has_value();
@@ -123,7 +123,7 @@ class Comparison {
       return;
     }
     const double distance = std::abs(imageOf(frame_, Aov::Distance).values[pixel] / hit->distance - 1);
-    const double depth = projection_.depthOf(*projection_.unproject(centre)) * hit->distance;
+    const double depth = projection_.depthOf(*projection_.unproject(center)) * hit->distance;
     const double depthError = std::abs(imageOf(frame_, Aov::Depth).values[pixel] - depth) / hit->distance;
     const double position =
         glm::length(dvec3(vec3At(imageOf(frame_, Aov::Position), pixel)) - hit->position) / hit->distance;

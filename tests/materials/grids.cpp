@@ -148,7 +148,7 @@ vec3 tangentAt(vec3 normal, vec3 axis) {
 }
 
 // The center of a sphere's square: x to the right, y up.
-glm::vec2 centre(uint32_t column, uint32_t row) {
+glm::vec2 center(uint32_t column, uint32_t row) {
   return {float(column) + 0.5f - 0.5f * float(kColumns), 0.5f * float(kRows) - 0.5f - float(row)};
 }
 
@@ -178,7 +178,7 @@ std::vector<std::byte> glb(const Grid& grid) {
       file.root["materials"][material]["extensions"] = extensions;
     primitive["material"] = material;
     const int mesh = file.add("meshes", {{"primitives", json::array({primitive})}});
-    const glm::vec2 place = centre(i % kColumns, i / kColumns);
+    const glm::vec2 place = center(i % kColumns, i / kColumns);
     models::place(file, "sphere " + std::to_string(i), mesh, vec3(place, 0.0f));
   }
   const json view{{"xmag", 0.5f * float(kColumns)}, {"ymag", 0.5f * float(kRows)}, {"znear", 0.1}, {"zfar", 10}};
@@ -196,7 +196,7 @@ bool pointAt(const Grid& grid, uint32_t x, uint32_t y, shared::Surface& s, share
   const Sphere& sphere = grid.spheres[row * kColumns + column];
   s = shared::emptySurface();
   s.normal = s.geonormal = vec3(right, -std::sqrt(rest), up);
-  const glm::vec2 place = centre(column, row);
+  const glm::vec2 place = center(column, row);
   s.position = vec3(place.x, 0.0f, place.y) + s.normal * kRadius;
   s.baseColor = vec3(sphere.baseColor), s.metallic = sphere.metallic, s.roughness = sphere.roughness;
   const float root = (sphere.layers.ior - 1.0f) / (sphere.layers.ior + 1.0f);

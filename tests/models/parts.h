@@ -51,7 +51,7 @@ void perspectiveCamera(GltfBuilder& file, const char* name, glm::vec3 at, float 
 
 // --- pictures -------------------------------------------------------------------------------------------------------
 
-// The colour of each pixel by its centre's place, in [0, 1]^2 from the upper left.
+// The colour of each pixel by its center's place, in [0, 1]^2 from the upper left.
 Picture paint(uint32_t width, uint32_t height, const std::function<glm::vec4(glm::vec2)>& color);
 
 Bytes encodeJpeg(const Picture& picture);

@@ -58,8 +58,8 @@ Expected expectedOf(Aov aov) {
               }};
     case PngCoding::Millimetre:
       return {1, ChannelType::Unorm16, [](const AovImage& i, size_t p, size_t) {
-                const double metres = value(i, p, 0);
-                return std::isinf(metres) ? 0 : std::clamp(std::floor(metres * 1000 + 0.5), 1.0, 65535.0);
+                const double meters = value(i, p, 0);
+                return std::isinf(meters) ? 0 : std::clamp(std::floor(meters * 1000 + 0.5), 1.0, 65535.0);
               }};
     case PngCoding::Fraction:
       return {3, ChannelType::Unorm16, [](const AovImage& i, size_t p, size_t c) {

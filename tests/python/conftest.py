@@ -56,7 +56,7 @@ def model():
 
 @pytest.fixture
 def square():
-    """Arrays of a square two metres wide that faces +Z, its texture upright."""
+    """Arrays of a square two meters wide that faces +Z, its texture upright."""
     return {
         "positions": np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32),
         "normals": np.tile(np.array([0, 0, 1], np.float32), (4, 1)),

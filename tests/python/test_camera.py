@@ -13,7 +13,7 @@ SIZE = (64, 48)
 
 
 def positions_match(renderer, camera, k, world_to_camera):
-    """Each position that is rendered projects to the centre of its pixel."""
+    """Each position that is rendered projects to the center of its pixel."""
     frame = renderer.render(camera, SIZE, ("position", "depth", "id"))
     rows, columns = np.nonzero(frame["id"])
     assert len(rows) > 50

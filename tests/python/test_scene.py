@@ -79,15 +79,15 @@ def test_lights_fall_off_with_the_square_of_distance(square, device):
     scene.add_instance(scene.add_mesh(**square), material)
     light = scene.add_light(latelight.Light(position=(0, 0, 1), intensity=np.pi))
     renderer = latelight.Renderer(scene, device, environment="none")
-    centre = lambda: renderer.render(FRONT, (15, 15), "color", shadows="none")["color"][7, 7, 0]
-    assert centre() == pytest.approx(1, rel=2e-3)  # albedo / pi times pi candela at one metre
+    center = lambda: renderer.render(FRONT, (15, 15), "color", shadows="none")["color"][7, 7, 0]
+    assert center() == pytest.approx(1, rel=2e-3)  # albedo / pi times pi candela at one metre
     moved = scene.light(light)
     moved.position = (0, 0, 2)
     scene.set_light(light, moved)
-    assert centre() == pytest.approx(0.25, rel=2e-3)
+    assert center() == pytest.approx(0.25, rel=2e-3)
     scene.remove_light(light)
     assert scene.lights() == []
-    assert centre() == 0
+    assert center() == 0
 
 
 @pytest.mark.parametrize("raster", ["compute", "hardware"])
@@ -96,7 +96,7 @@ def test_area_lights_have_the_form_factors_of_their_shapes(square, device, raste
     material = scene.add_material(latelight.Material(base_color=(1, 1, 1, 1), metallic=0, roughness=1, specular=0))
     scene.add_instance(scene.add_mesh(**square), material)
     renderer = latelight.Renderer(scene, device, environment="none")
-    centre = lambda: renderer.render(FRONT, (15, 15), "color", raster=raster)["color"][7, 7, 0]
+    center = lambda: renderer.render(FRONT, (15, 15), "color", raster=raster)["color"][7, 7, 0]
     side = np.sqrt(2) / 2  # of a square of half side 1 at distance 1, seen from below its center
     for values, expected in (
         (dict(type="rect", width=2, height=2), 8 / (2 * np.pi) * side * np.arctan(side)),
@@ -105,13 +105,13 @@ def test_area_lights_have_the_form_factors_of_their_shapes(square, device, raste
         (dict(type="tube", size=0.3, length=1e4), 0.3),
     ):
         light = scene.add_light(latelight.Light(position=(0, 0, 1), direction=(0, 0, -1), intensity=2, **values))
-        assert centre() == pytest.approx(2 * expected, rel=2e-3), values
+        assert center() == pytest.approx(2 * expected, rel=2e-3), values
         if values["type"] == "rect":
             back = scene.light(light)
             assert (back.width, back.height, back.two_sided) == (2, 2, False)
             back.direction = (0, 0, 1)
             scene.set_light(light, back)
-            assert centre() == 0
+            assert center() == 0
         scene.remove_light(light)
 
 

@@ -72,7 +72,7 @@ TEST(Culling, KeepsSpheresThatCoverAPixelCenter) {
           vec3(glm::dmat4(camera.toWorld) * glm::dvec4(ndc.x * extent.x, away, ndc.y * extent.y, 1)) + offset;
       if (distanceToRay(camera, pixel, dvec3(center)) > radius) continue;
       ++seen;
-      EXPECT_TRUE(frustum.holdsCentre({center, radius})) << i;
+      EXPECT_TRUE(frustum.holdsCenter({center, radius})) << i;
     }
     EXPECT_GT(seen, 300u);
   }
@@ -84,7 +84,7 @@ TEST(Culling, CullsNearlyAllSpheresSmallerThanPixels) {
   const Frustum frustum(makeView(cameras().front(), kCullingWidth, kCullingHeight));
   unsigned kept = 0;
   for (int i = 0; i < 10000; ++i)  // each is 0.02 pixels wide; a quarter of a pixel on each side is kept for rounding
-    kept += frustum.holdsCentre({vec3(unit(random), 0, unit(random)), 0.001f});
+    kept += frustum.holdsCenter({vec3(unit(random), 0, unit(random)), 0.001f});
   EXPECT_LT(kept, 1200u);
 }
 
@@ -155,7 +155,7 @@ TEST_F(CullingTest, DrawsFewOfManyInstances) {
   const Frustum frustum(view);
   const auto select = [&](bool atCenters) {
     return order.select(uploaded, DrawOrder::Kind::Solid, [&](const Sphere& bounds) {
-      return frustum.touches(bounds) && (!atCenters || frustum.holdsCentre(bounds));
+      return frustum.touches(bounds) && (!atCenters || frustum.holdsCenter(bounds));
     });
   };
   EXPECT_EQ(select(false).instances.size(), kGrid * kGrid);

@@ -135,7 +135,7 @@ std::vector<scene::Light> hardLights(const scene::Scene& scene) {
   const glm::mat4 pose = scene.cameras.front().toWorld;
   const vec3 eye(pose[3]), forward(pose[1]);
   const scene::Bounds bounds = scene::worldBounds(scene);
-  const vec3 center(bounds.centre());
+  const vec3 center(bounds.center());
   std::vector<scene::Light> lights{
       pointLight(center, 1e6f),                                            // reaches everything
       pointLight(center + vec3(0, 0, 2), {}),                              // no range

@@ -21,7 +21,7 @@ constexpr uint32_t kModelWidth = 160, kModelHeight = 120;
 // Forty point and spot lights on a spiral around the model, and one directional light. Every third light has a range.
 void addLights(scene::Scene& scene) {
   const scene::Bounds bounds = scene::worldBounds(scene);
-  const glm::vec3 center(bounds.centre());
+  const glm::vec3 center(bounds.center());
   const float radius = 0.6f * glm::length(glm::vec3(bounds.max - bounds.min));
   for (int i = 0; i < 40; ++i) {
     const float z = 0.95f - 0.0475f * static_cast<float>(i), around = 2.4f * static_cast<float>(i);

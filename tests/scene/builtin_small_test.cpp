@@ -173,7 +173,7 @@ TEST(Spheres, SpanMetalnessAndRoughnessOverAGrid) {
       const shared::Material& material = scene.materials[instance.material].data;
       EXPECT_FLOAT_EQ(material.metallic, float(column) / float(kSpheresColumns - 1));
       EXPECT_FLOAT_EQ(material.roughness, float(row) / float(kSpheresRows - 1));
-      EXPECT_EQ(vec3(toGltfFromWorld() * instance.toWorld[3]), spheresCentre(column, row));
+      EXPECT_EQ(vec3(toGltfFromWorld() * instance.toWorld[3]), spheresCenter(column, row));
       ids.insert(instance.id);
     }
   }

@@ -68,7 +68,7 @@ TEST(Clusters, AreAllOfAMesh) {
     for (size_t i = 0; i < all.clusters.size(); ++i)
       for (const Corners& t : trianglesOf(mesh, all, i))
         for (const vec3& corner : {t.a, t.b, t.c})
-          EXPECT_LE(glm::distance(corner, vec3(all.clusters[i].centre)), all.clusters[i].radius * (1 + kRounding));
+          EXPECT_LE(glm::distance(corner, vec3(all.clusters[i].center)), all.clusters[i].radius * (1 + kRounding));
   }
   EXPECT_TRUE(clustersOf({}).clusters.empty());
 }

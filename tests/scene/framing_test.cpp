@@ -70,15 +70,15 @@ TEST(Framing, KeepsEveryCornerInThePictureAndTouchesItsMargin) {
 TEST(Framing, NearPlanesCutNothingAndLeaveRoomForWhatIsFar) {
   for (const Extent& e : kExtents) {
     const Scene scene = boxScene(e.min, e.max);
-    const vec3 centre = (e.min + e.max) * 0.5f;
+    const vec3 center = (e.min + e.max) * 0.5f;
     const float size = glm::length(e.max - e.min);
     for (const Camera& camera :
          {frameScene(scene, 1.5f), orbitCamera(scene, 0.3f, 0.2f), orbitCamera(scene, 0.3f, 0.2f, size * 1000),
-          lookAt(scene, centre, centre + vec3(size)), lookAt(scene, centre + vec3(size) * 0.5f, e.min)}) {
+          lookAt(scene, center, center + vec3(size)), lookAt(scene, center + vec3(size) * 0.5f, e.min)}) {
       int exponent = 0;
       EXPECT_EQ(std::frexp(camera.nearClip, &exponent), 0.5f) << e.name;  // a power of two
       EXPECT_LT(camera.nearClip, 1e-9f * size) << e.name;
-      const double farthest = 1e6 * (glm::length(vec3(camera.toWorld[3]) - centre) + double{size});
+      const double farthest = 1e6 * (glm::length(vec3(camera.toWorld[3]) - center) + double{size});
       EXPECT_GT(camera.nearClip / farthest, double{std::numeric_limits<float>::min()}) << e.name;
       EXPECT_TRUE(std::isnormal(camera.nearClip) && std::isnormal(1 / camera.nearClip)) << e.name;
     }
@@ -119,7 +119,7 @@ TEST(Framing, ShowsSomethingOfWhatHasNoExtent) {
 }
 
 TEST(Orbit, StandsWhereItsAnglesSay) {
-  const vec3 min(1, 2, 3), max(3, 4, 5), centre(2, 3, 4);
+  const vec3 min(1, 2, 3), max(3, 4, 5), center(2, 3, 4);
   const Scene scene = boxScene(min, max);
   const struct {
     float azimuth, elevation;
@@ -132,8 +132,8 @@ TEST(Orbit, StandsWhereItsAnglesSay) {
   for (const auto& c : cases) {
     const Camera camera = orbitCamera(scene, c.azimuth, c.elevation, 10.0f, 0.8f);
     const vec3 eye = toGltfFromWorld() * camera.toWorld[3];
-    EXPECT_LT(glm::length(eye - centre - c.eye), 1e-4f);
-    const glm::dvec3 p = seen(camera, centre, 1.0);
+    EXPECT_LT(glm::length(eye - center - c.eye), 1e-4f);
+    const glm::dvec3 p = seen(camera, center, 1.0);
     EXPECT_NEAR(p.x, 0, 1e-5);
     EXPECT_NEAR(p.y, 0, 1e-5);
     EXPECT_NEAR(p.z, 10, 1e-4);

@@ -22,13 +22,13 @@ void expectAt(vec2 uv, float u, float v) {
   EXPECT_NEAR(uv.y, v, 1e-6f);
 }
 
-TEST(Environment, CentreColumnIsAtPlusXOfTheFilesFrame) {
+TEST(Environment, CenterColumnIsAtPlusXOfTheFilesFrame) {
   expectAt(lookUp(worldFromGltf(1, 0, 0), 0.0f), 0.5f, 0.5f);
   expectAt(lookUp(worldFromGltf(0, 0, 1), 0.0f), 0.75f, 0.5f);
   expectAt(lookUp(worldFromGltf(0, 0, -1), 0.0f), 0.25f, 0.5f);
 }
 
-TEST(Environment, RotationBy90PutsTheCentreColumnAtPlusZOfTheFilesFrame) {
+TEST(Environment, RotationBy90PutsTheCenterColumnAtPlusZOfTheFilesFrame) {
   expectAt(lookUp(worldFromGltf(0, 0, 1), 90.0f), 0.5f, 0.5f);
   expectAt(lookUp(worldFromGltf(-1, 0, 0), 180.0f), 0.5f, 0.5f);
   expectAt(lookUp(worldFromGltf(0, 0, -1), 270.0f), 0.5f, 0.5f);
@@ -54,7 +54,7 @@ TEST(Environment, RotationKeepsLengthsAndTheZenith) {
 }
 
 // The map's creases, its axes and edges, pass through texel centers: at .5, (size - 1) / 2 and size - 1.5 texels.
-TEST(Environment, OctahedralCreasesAreTexelCentres) {
+TEST(Environment, OctahedralCreasesAreTexelCenters) {
   for (const float size : {4.0f, 18.0f, 258.0f}) {
     const vec2 corner = octahedralTexture(vec2(-1.0f, 1.0f), size) * size;
     EXPECT_NEAR(corner.x, 0.5f, 1e-4f);

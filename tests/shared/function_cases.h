@@ -90,7 +90,7 @@ SH_FUNC vec4 coneOf(Arguments a) {
   return vec4(scale, offset, 0.0f, 0.0f);
 }
 
-// A perspective or orthographic projection, off-centre.
+// A perspective or orthographic projection, off-center.
 SH_FUNC Projection someProjection(Arguments a) {
   Projection p;
   p.H = 0.5f + a.u.x;

@@ -65,7 +65,7 @@ std::vector<Case> cases() {
   };
   for (size_t i = 0, count = list.size(); i < count; ++i) {
     Case c = list[i];
-    c.name += ", off-centre";
+    c.name += ", off-center";
     c.projection.X = 0.3f;
     c.projection.Z = -0.2f;
     list.push_back(c);

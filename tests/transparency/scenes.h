@@ -30,8 +30,8 @@ struct Stack {
     return material;
   }
   // A square around (x, y, z) with half the side length `half`.
-  void square(uint32_t material, vec3 centre, glm::vec2 half) {
-    const glm::mat4 moved = glm::translate(glm::mat4(1), centre);
+  void square(uint32_t material, vec3 center, glm::vec2 half) {
+    const glm::mat4 moved = glm::translate(glm::mat4(1), center);
     builder.addInstance("square", builder.kRoot, 0, material, glm::scale(moved, vec3(half, 1)));
   }
 };

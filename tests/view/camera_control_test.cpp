@@ -139,14 +139,14 @@ TEST_P(CameraControlTest, LooksFromTheFrontTheRightAndTheTop) {
 TEST_P(CameraControlTest, ABallIsFramedExactly) {
   for (const double aspect : {16.0 / 9, 1.0, 0.5}) {
     CameraControl c = control();
-    const dvec3 centre = dvec3(3, -1, 2) * size();
+    const dvec3 center = dvec3(3, -1, 2) * size();
     const double radius = 0.7 * size();
-    c.frame(centre, radius, aspect);
+    c.frame(center, radius, aspect);
     // The cone from the eye around the ball.
-    const double half = std::asin(radius / glm::length(centre - c.view().eye));
+    const double half = std::asin(radius / glm::length(center - c.view().eye));
     const double edge = std::atan(std::tan(c.view().verticalFov / 2) * std::min(1.0, aspect));
     EXPECT_NEAR(half, edge, 1e-9);
-    expectNear(projected(c.view(), centre), {0, 0});
+    expectNear(projected(c.view(), center), {0, 0});
   }
 }
 

@@ -17,8 +17,8 @@ Around around(const SceneAxes& axes, double azimuth, double sineOfElevation) {
           .up = axes.up * cosine - across * sineOfElevation};
 }
 
-dmat4 Around::pose(dvec3 centre, double distance) const {
-  return dmat4(dvec4(right, 0), dvec4(-up, 0), dvec4(-outwards, 0), dvec4(centre + outwards * distance, 1));
+dmat4 Around::pose(dvec3 center, double distance) const {
+  return dmat4(dvec4(right, 0), dvec4(-up, 0), dvec4(-outwards, 0), dvec4(center + outwards * distance, 1));
 }
 
 }  // namespace latelight::data

@@ -10,7 +10,7 @@ namespace latelight::data {
 // points away from the azimuth's direction, at -90 degrees towards it.
 struct Around {
   glm::dvec3 outwards;
-  glm::dmat4 pose(glm::dvec3 centre, double distance) const;
+  glm::dmat4 pose(glm::dvec3 center, double distance) const;
 
   glm::dvec3 right, up;
 };

@@ -14,8 +14,8 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr double kMillimetre = 1e-3;
-constexpr double kFirstCentre = 0.5;  // center of the first pixel; in BOP, as in OpenCV, it is 0
+constexpr double kMillimeter = 1e-3;
+constexpr double kFirstCenter = 0.5;  // center of the first pixel; in BOP, as in OpenCV, it is 0
 
 CalibratedCamera cameraIn(const Json& entry, const std::string& name, PictureSize size, const std::string& where) {
   const std::vector<double> k = numbersIn(entry, "cam_K", 9, where), r = numbersIn(entry, "cam_R_w2c", 9, where),
@@ -26,12 +26,12 @@ CalibratedCamera cameraIn(const Json& entry, const std::string& name, PictureSiz
                             .height = double(size.height),
                             .fx = k[0],
                             .fy = k[4],
-                            .cx = k[2] + kFirstCentre,
-                            .cy = k[5] + kFirstCentre};
+                            .cx = k[2] + kFirstCenter,
+                            .cy = k[5] + kFirstCenter};
   checkLens(*camera.lens, where);
   glm::dmat4 toCamera(1);
   for (int i = 0; i < 9; ++i) toCamera[i % 3][i / 3] = r[static_cast<size_t>(i)];
-  toCamera[3] = glm::dvec4(glm::dvec3(t[0], t[1], t[2]) * kMillimetre, 1);
+  toCamera[3] = glm::dvec4(glm::dvec3(t[0], t[1], t[2]) * kMillimeter, 1);
   if (!makeRigid(toCamera)) badInput("{} has a cam_R_w2c that is not a rotation", where);
   camera.pose = inverseOf(toCamera);
   return camera;
@@ -68,11 +68,11 @@ void writeBop(const std::filesystem::path& file, std::span<const CalibratedCamer
     const glm::dmat4 toCamera = inverseOf(camera.pose);
     Json& entry = json[camera.name] = Json::object();
     const scene::Lens& lens = *camera.lens;
-    entry["cam_K"] = {lens.fx, 0.0, lens.cx - kFirstCentre, 0.0, lens.fy, lens.cy - kFirstCentre, 0.0, 0.0, 1.0};
+    entry["cam_K"] = {lens.fx, 0.0, lens.cx - kFirstCenter, 0.0, lens.fy, lens.cy - kFirstCenter, 0.0, 0.0, 1.0};
     entry["cam_R_w2c"] = Json::array();
     entry["cam_t_w2c"] = Json::array();
     for (int i = 0; i < 9; ++i) entry["cam_R_w2c"].push_back(toCamera[i % 3][i / 3]);
-    for (int i = 0; i < 3; ++i) entry["cam_t_w2c"].push_back(toCamera[3][i] / kMillimetre);
+    for (int i = 0; i < 3; ++i) entry["cam_t_w2c"].push_back(toCamera[3][i] / kMillimeter);
     entry["depth_scale"] = depthScale;
     writeExposure(entry, camera.exposure);
   }

@@ -14,7 +14,7 @@ namespace latelight::data {
 
 struct Aabb {
   glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
-  glm::dvec3 centre() const { return (low + high) * 0.5; }
+  glm::dvec3 center() const { return (low + high) * 0.5; }
   double radius() const { return glm::length(high - low) * 0.5; }
   void add(glm::dvec3 p) { low = glm::min(low, p), high = glm::max(high, p); }
   void add(const Aabb& box) { low = glm::min(low, box.low), high = glm::max(high, box.high); }

@@ -27,7 +27,7 @@ std::optional<double> numberBetween(const Json& object, const char* key, double 
 }
 
 constexpr double kMaxEv = render::kMaxExposure;
-constexpr double kLeastSetting = 1e-3, kMostSetting = 1e7;  // of ISO and f-numbers
+constexpr double kMinSetting = 1e-3, kMaxSetting = 1e7;  // of ISO and f-numbers
 
 // Returns the stops of a camera's settings. `ev` is added to those of the others, of which all or none are given.
 template <typename Fail>
@@ -52,8 +52,8 @@ CameraExposure exposureIn(const Json& object, const std::string& where) {
     exposure.noiseSeed = static_cast<uint64_t>(*seed);
   }
   exposure.ev = stopsOf(numberBetween(object, "EV", -kMaxEv, kMaxEv, where),
-                        numberBetween(object, "ISO", kLeastSetting, kMostSetting, where),
-                        numberBetween(object, "fNumber", kLeastSetting, kMostSetting, where), exposure.shutter,
+                        numberBetween(object, "ISO", kMinSetting, kMaxSetting, where),
+                        numberBetween(object, "fNumber", kMinSetting, kMaxSetting, where), exposure.shutter,
                         [&](const std::string& problem) { badInput("{}: {}", where, problem); });
   return exposure;
 }
@@ -73,8 +73,8 @@ CameraExposure readExposure(Spec& spec) {
   const auto number = [&](const char* key, double least, double most) {
     return spec.has(key) ? std::optional(spec.number(key, {least, most})) : std::nullopt;
   };
-  exposure.ev = stopsOf(number("EV", -kMaxEv, kMaxEv), number("ISO", kLeastSetting, kMostSetting),
-                        number("fNumber", kLeastSetting, kMostSetting), exposure.shutter,
+  exposure.ev = stopsOf(number("EV", -kMaxEv, kMaxEv), number("ISO", kMinSetting, kMaxSetting),
+                        number("fNumber", kMinSetting, kMaxSetting), exposure.shutter,
                         [&](const std::string& problem) { badUsage("{}: {}", spec.path(), problem); });
   return exposure;
 }

@@ -62,7 +62,7 @@ void readMatrix(Spec& spec, Lens& lens) {
   if (!upper || !(k[0] > 0) || !(k[4] > 0))
     badUsage("{} must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] with fx and fy above 0", spec.pathOf("K"));
   // The centers of pixels are at integers in OpenCV and at half-integers in Latelight.
-  const double shift = 0.5 - spec.number("pixelCentre", {0, 0.5}, 0.5);
+  const double shift = 0.5 - spec.number("pixelCenter", {0, 0.5}, 0.5);
   lens.fx = k[0], lens.fy = k[4], lens.cx = k[2] + shift, lens.cy = k[5] + shift;
 }
 
@@ -149,7 +149,7 @@ Optics readOptics(Spec& spec, PictureSize job) {
 
 bool hasOptics(Spec& spec) {
   constexpr std::string_view kKeys[] = {"fov",  "K",           "model",    "distortion",
-                                        "size", "pixelCentre", "aperture", "focusDistance"};
+                                        "size", "pixelCenter", "aperture", "focusDistance"};
   return std::ranges::any_of(kKeys, [&](std::string_view key) { return spec.has(key); });
 }
 

@@ -14,7 +14,7 @@ struct Optics {
   double halfAngle = 0;
 };
 
-// Reads the keys "fov", "K", "model", "distortion", "size", "pixelCentre", "aperture" and "focusDistance". The default
+// Reads the keys "fov", "K", "model", "distortion", "size", "pixelCenter", "aperture" and "focusDistance". The default
 // is a field of view of 40 degrees. K is in pixels of "size", or of `job` if there is no "size".
 Optics readOptics(Spec& spec, PictureSize job);
 float readFov(Spec& spec);                             // reads only "fov", and returns radians

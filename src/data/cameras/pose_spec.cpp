@@ -15,7 +15,7 @@ glm::dmat4 readPose(Spec& spec, const CameraContext& context) {
   if (spec.has("pose") == spec.has("eye")) badUsage("{} needs either \"eye\" or \"pose\"", spec.path());
   if (spec.has("pose")) return readPoseMatrix(spec);
   if (spec.has("frame")) badUsage("{} is the camera frame of \"pose\": omit it with \"eye\"", spec.pathOf("frame"));
-  const glm::dvec3 eye = spec.vector("eye"), target = readTarget(spec, context).centre;
+  const glm::dvec3 eye = spec.vector("eye"), target = readTarget(spec, context).center;
   if (!spec.has("up")) return lookAtPose(context.axes, eye, target, nullptr, spec.path());
   const glm::dvec3 up = spec.vector("up");
   return lookAtPose(context.axes, eye, target, &up, spec.path());

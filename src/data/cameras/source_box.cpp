@@ -36,10 +36,10 @@ std::vector<Shot> shotsInBox(Spec& spec, const CameraContext& context) {
       glm::dvec3 eye;
       for (int axis = 0; axis < 3; ++axis) eye[axis] = random.between(box.low[axis], box.high[axis]);
       const double turns = random.unit(), height = random.between(-1, 1);
-      if (!clearance.allows(eye) || (!anywhere && eye == target.centre)) continue;
+      if (!clearance.allows(eye) || (!anywhere && eye == target.center)) continue;
       // For a random view direction, around() at distance 0 places the camera at the eye itself.
       const glm::dmat4 pose = anywhere ? around(context.axes, turns, height).pose(eye, 0)
-                                       : lookAtPose(context.axes, eye, target.centre, nullptr, spec.path());
+                                       : lookAtPose(context.axes, eye, target.center, nullptr, spec.path());
       shots.push_back({numberedName("box", i, count), pose, optics.camera, optics.width, optics.height});
       break;
     }

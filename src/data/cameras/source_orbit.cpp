@@ -28,7 +28,7 @@ std::vector<Shot> shotsOnOrbit(Spec& spec, const CameraContext& context) {
     const double elevation = along(climb[0], climb[1]);
     const Around place =
         around(context.axes, along(turn[0], turn[1]) / 360, scene::builtin::sinQuarters(elevation / 90));
-    shots.push_back({numberedName("orbit", i, count), place.pose(target.centre, along(distance.low, distance.high)),
+    shots.push_back({numberedName("orbit", i, count), place.pose(target.center, along(distance.low, distance.high)),
                      optics.camera, optics.width, optics.height});
   }
   makeSequence(shots);

@@ -25,14 +25,14 @@ glm::dmat4 gridPose(const Shell& shell, const CameraContext& context, uint64_t i
   const double height = shell.height.low + (shell.height.high - shell.height.low) * ((double(i) + 0.5) / double(count));
   const double turns = double(i) * kGolden;
   return around(context.axes, turns - std::floor(turns), height)
-      .pose(shell.target.centre, random.between(shell.radius.low, shell.radius.high));
+      .pose(shell.target.center, random.between(shell.radius.low, shell.radius.high));
 }
 
 glm::dmat4 randomPose(const Shell& shell, const CameraContext& context, Random& random) {
   const double height = random.between(shell.height.low, shell.height.high);
   const double turns = random.unit();
   return around(context.axes, turns, height)
-      .pose(shell.target.centre, random.between(shell.radius.low, shell.radius.high));
+      .pose(shell.target.center, random.between(shell.radius.low, shell.radius.high));
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ Target readTarget(Spec& spec, const CameraContext& context) {
       badUsage("{} must be \"scene\", a point [x, y, z] or {{\"node\": ...}}, not {}", path, shown(spec.at("target")));
     box = boxOfScene(context.scene, path);
   }
-  return {box.centre(), box.radius()};
+  return {box.center(), box.radius()};
 }
 
 Interval readDistance(Spec& spec, std::string_view key, const Target& target, double halfAngle) {

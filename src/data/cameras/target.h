@@ -20,7 +20,7 @@ Aabb boxOf(const scene::Scene& scene, const std::vector<uint32_t>& instances, co
 Aabb boxOfScene(const scene::Scene& scene, const std::string& path);
 
 struct Target {
-  glm::dvec3 centre{0};
+  glm::dvec3 center{0};
   double radius = 0;  // radius of the geometry; 0: a point
 };
 

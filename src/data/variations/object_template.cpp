@@ -15,7 +15,7 @@ OrientedBox boxAround(const scene::Scene& scene, const std::vector<scene::Object
   for (const scene::ObjectPart& part : parts)
     for (const glm::vec3& position : scene.meshes[part.mesh].positions)
       around.add(glm::dvec3(part.toWorld * glm::dvec4(position, 1)));
-  OrientedBox box{.centre = around.centre()};
+  OrientedBox box{.center = around.center()};
   for (int axis = 0; axis < 3; ++axis) box.half[axis] *= (around.high[axis] - around.low[axis]) * 0.5;
   return box;
 }

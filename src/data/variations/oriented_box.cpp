@@ -8,7 +8,7 @@ namespace latelight::data {
 using glm::dmat3, glm::dmat4, glm::dvec3;
 
 OrientedBox transformed(const OrientedBox& box, const dmat4& transform) {
-  return {dvec3(transform * glm::dvec4(box.centre, 1)), dmat3(transform) * box.half};
+  return {dvec3(transform * glm::dvec4(box.center, 1)), dmat3(transform) * box.half};
 }
 
 double extentAlong(const OrientedBox& box, dvec3 direction) {
@@ -21,7 +21,7 @@ bool areApart(const OrientedBox& a, const OrientedBox& b, double gap) {
     const double length = glm::length(axis);
     if (!(length > 0)) return false;  // edges are parallel; the axes of the face normals suffice
     axis /= length;
-    return std::abs(glm::dot(b.centre - a.centre, axis)) >= extentAlong(a, axis) + extentAlong(b, axis) + gap;
+    return std::abs(glm::dot(b.center - a.center, axis)) >= extentAlong(a, axis) + extentAlong(b, axis) + gap;
   };
   for (const OrientedBox* box : {&a, &b})
     for (int i = 0; i < 3; ++i)

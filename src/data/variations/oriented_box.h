@@ -6,7 +6,7 @@
 namespace latelight::data {
 
 struct OrientedBox {
-  glm::dvec3 centre{0};
+  glm::dvec3 center{0};
   glm::dmat3 half{1};  // columns: vectors from the center to the centers of three faces
 };
 

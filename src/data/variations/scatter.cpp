@@ -95,7 +95,7 @@ class Scatter : public Variation {
     for (size_t i = 0; i < above.size(); ++i) {
       if (above[i].empty()) continue;
       const scene::Mesh& mesh = scene.meshes[scene.instances[i].mesh];
-      OrientedBox box{.centre = dvec3(mesh.boundsMin + mesh.boundsMax) * 0.5};
+      OrientedBox box{.center = dvec3(mesh.boundsMin + mesh.boundsMax) * 0.5};
       for (int axis = 0; axis < 3; ++axis) box.half[axis] *= (mesh.boundsMax[axis] - mesh.boundsMin[axis]) * 0.5;
       boxes.push_back(transformed(box, scene.instances[i].toWorld));
     }
@@ -110,7 +110,7 @@ class Scatter : public Variation {
       dmat4 place = turnAbout({0, 0, 1}, random.between(turn_.low, turn_.high));
       for (int axis = 0; axis < 3; ++axis) place[axis] *= scale;
       // The anchor is the center of the box's underside on a surface, and the center of the box in a volume.
-      dvec3 anchor = object.box.centre;
+      dvec3 anchor = object.box.center;
       if (surface_) anchor -= object.box.half[2];
       const dvec3 at = surface_ ? surface_->point(random) : pointInVolume(random, draft.scene);
       place[3] = dvec4(at - dvec3(place * dvec4(anchor, 0)), 1);
@@ -132,7 +132,7 @@ class Scatter : public Variation {
         dvec3 along(0);
         along[axis] = 1;
         const double extent = extentAlong(inFile, along);
-        if (inFile.centre[axis] - extent < volume_.low[axis] || inFile.centre[axis] + extent > volume_.high[axis])
+        if (inFile.center[axis] - extent < volume_.low[axis] || inFile.center[axis] + extent > volume_.high[axis])
           return false;
       }
     }

@@ -21,7 +21,7 @@ Frustum::Frustum(const shared::View& view)
 }
 
 // Pixel centers are at half-integer coordinates. Rasterizers move vertices by up to a sixteenth of a pixel.
-bool Frustum::holdsCentre(const Axis& axis, float at, float depth, float radius) const {
+bool Frustum::holdsCenter(const Axis& axis, float at, float depth, float radius) const {
   constexpr float kMoved = 0.125f;
   float low = at - radius, high = at + radius;
   if (perspective_) {
@@ -35,17 +35,17 @@ bool Frustum::holdsCentre(const Axis& axis, float at, float depth, float radius)
   return !(std::ceil(low - 0.5f) > std::floor(high - 0.5f));  // true for NaN
 }
 
-bool Frustum::holdsCentre(const Sphere& sphere) const {
-  const glm::vec3 c = worldToView_ * glm::vec4(sphere.centre, 1.0f);
+bool Frustum::holdsCenter(const Sphere& sphere) const {
+  const glm::vec3 c = worldToView_ * glm::vec4(sphere.center, 1.0f);
   // Far from the origin, the rounding of vertex positions exceeds the size of small objects.
   constexpr float kRounding = 1e-6f;
-  const glm::vec3 size = glm::abs(sphere.centre) + glm::abs(worldToView_[3]);
+  const glm::vec3 size = glm::abs(sphere.center) + glm::abs(worldToView_[3]);
   const float radius = sphere.radius + kRounding * (size.x + size.y + size.z);
-  return holdsCentre(across_, c.x, c.y, radius) && holdsCentre(up_, c.z, c.y, radius);
+  return holdsCenter(across_, c.x, c.y, radius) && holdsCenter(up_, c.z, c.y, radius);
 }
 
 bool Frustum::touches(const Sphere& sphere) const {
-  glm::vec3 c = worldToView_ * glm::vec4(sphere.centre, 1.0f);
+  glm::vec3 c = worldToView_ * glm::vec4(sphere.center, 1.0f);
   if (perspective_ && c.y < -sphere.radius) return false;
   return std::all_of(planes_.begin(), planes_.end(),
                      [&](const glm::vec4& plane) { return glm::dot(glm::vec3(plane), c) + plane.w >= -sphere.radius; });

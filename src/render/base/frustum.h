@@ -8,7 +8,7 @@
 namespace latelight::render {
 
 struct Sphere {  // world space, meters
-  glm::vec3 centre;
+  glm::vec3 center;
   float radius;
 };
 
@@ -19,13 +19,13 @@ class Frustum {
   explicit Frustum(const shared::View& view);
   bool touches(const Sphere& sphere) const;  // conservative: never false for a partly visible sphere
   // Returns true if the sphere may cover a pixel center; never false if it does.
-  bool holdsCentre(const Sphere& sphere) const;
+  bool holdsCenter(const Sphere& sphere) const;
 
  private:
   struct Axis {  // pixel coordinate: offset + scale * (x or z in view space, divided by depth in perspective)
     float scale, offset;
   };
-  bool holdsCentre(const Axis& axis, float at, float depth, float radius) const;
+  bool holdsCenter(const Axis& axis, float at, float depth, float radius) const;
 
   glm::mat4x3 worldToView_;
   bool perspective_;

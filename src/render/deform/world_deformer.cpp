@@ -291,7 +291,7 @@ void WorldDeformer::describeMeshes(const scene::Scene& scene, const Deformer* de
     part.spheres = spheres.size();
     if (part.skinned)
       for (const scene::JointSphere& s : deformer->reach(part.mesh).spheres)
-        spheres.push_back({s.joint, s.centre, s.radius, s.weight});
+        spheres.push_back({s.joint, s.center, s.radius, s.weight});
   }
   uploadChanged(spheres_, sphereValues_, std::move(spheres), uploader);
   std::vector<DeformedMesh> meshes;

@@ -48,7 +48,7 @@ std::vector<ThinLens> thinLensesOf(std::span<const scene::Camera> cameras, const
     const auto [center, isNew] = centers.try_emplace(world, 0);
     if (!isNew) return center->second;
     const scene::Bounds bounds = worlds.count > 0 ? boundsAtRest(scene, worlds, world) : scene::worldBounds(scene);
-    if (!bounds.empty()) center->second = bounds.centre();
+    if (!bounds.empty()) center->second = bounds.center();
     return center->second;
   };
   std::vector<ThinLens> lenses;

@@ -50,7 +50,7 @@ struct FrameConfig {
   const SurfaceOutputs* outputs = nullptr;  // packed in addition to the targets
   bool countLights = false;
   uint32_t ambientOcclusion = 0;     // kAo*
-  uint32_t textureSlots = ~0u;       // bit i: a material may have a texture in slot i (GpuScene::textureSlots)
+  uint32_t textureSlots = ~0u;       // bit i: a material may have a texture in slot i (GpuMaterials::textureSlots)
   uint32_t codedTextureSlots = ~0u;  // bit i: such a texture may be coded in sRGB
   uint32_t layers = 0;               // kLayer*: coats that a material may have (GpuMaterials::layers)
   bool lights = true;                // lights may exist; false: shaders of the deferred techniques have no light loops

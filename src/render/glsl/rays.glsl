@@ -259,11 +259,11 @@ void visitTriangle(FrameConstants frame, RayMesh mesh, uint index, Ray ray, uint
 // so far, of the lane that was active the longest: between nested spheres, loops ended when it was 41,000.
 #ifdef RAY_COUNTS_WORK
 uint rayWork = 0u;
-const uint kMostRayWork = 30000u;  // the rest is for the last ray
+const uint kMaxRayWork = 30000u;  // the rest is for the last ray
 bool rayWorkIsDone() {
   if (!RAY_COUNTS_WORK) return false;
   rayWork = subgroupMax(rayWork);
-  return rayWork > kMostRayWork;
+  return rayWork > kMaxRayWork;
 }
 // `steps`: of the lane, in one iteration of the loop over nodes and leaves.
 void countRayWork(inout uint work, uint steps) {

@@ -161,12 +161,12 @@ LightBox lightBox(const Light& light) {
   // The slack covers rounding, also on the device, of the direction's length, of the radius, and of positions far from
   // the origin.
   const vec3 slack = glm::abs(light.position) * 1e-6f;
-  const auto metres = [&](vec3 reaches) {
+  const auto meters = [&](vec3 reaches) {
     // If the whole cone points away, its apex is the extreme point. (0 times an infinite radius would be NaN.)
     for (int i = 0; i < 3; ++i) reaches[i] = reaches[i] > -5e-4f ? (reaches[i] + 5e-4f) * light.radius : 0.0f;
     return reaches;
   };
-  return {light.position - metres(extent[1]) - slack, light.position + metres(extent[0]) + slack};
+  return {light.position - meters(extent[1]) - slack, light.position + meters(extent[0]) + slack};
 }
 
 LightTree buildLightTree(const std::vector<Light>& lights) {

@@ -38,7 +38,7 @@ shared::View shadowView(const scene::Camera& camera, uint32_t width, uint32_t he
     return view;
   }
   const scene::Bounds bounds = scene.deviceBounds(camera.world);
-  const auto radius = static_cast<float>(bounds.radius() + glm::distance(bounds.centre(), glm::dvec3(view.eye)) + 1e-3);
+  const auto radius = static_cast<float>(bounds.radius() + glm::distance(bounds.center(), glm::dvec3(view.eye)) + 1e-3);
   p = {1 / radius, 1 / radius, -0.5f / radius, 0.5f, 0, 0, shared::kOrthographic};
   return view;
 }

@@ -202,25 +202,25 @@ bool betweenSides(float scale, float offset, vec2 bounds, float across, float de
   return all(greaterThanEqual(inward, -radius * sqrt(scale * scale + slope * slope)));
 }
 
-bool reachesTile(Tile tile, vec3 centre, float reach) {
+bool reachesTile(Tile tile, vec3 center, float reach) {
   if (kLens != 0u) return true;  // with a lens, the sides of a tile are not planes
   Projection p = tile.view.projection;
   vec2 first = pixelToNdc(vec2(tile.corner), tile.view.size);
   vec2 last = pixelToNdc(vec2(tile.corner + kTileSize), tile.view.size);
   bool perspective = p.kind == kPerspective;
-  return betweenSides(p.H, p.X, vec2(first.x, last.x), centre.x, centre.y, reach, perspective) &&
-         betweenSides(p.V, p.Z, vec2(last.y, first.y), centre.z, centre.y, reach, perspective);
+  return betweenSides(p.H, p.X, vec2(first.x, last.x), center.x, center.y, reach, perspective) &&
+         betweenSides(p.V, p.Z, vec2(last.y, first.y), center.z, center.y, reach, perspective);
 }
 
 // The mask of the tile's slices that a light reaches.
 uint slicesReached(Tile tile, Light l) {
-  vec3 centre = tile.view.worldToView * vec4(l.position, 1.0);
-  float depth = kLens != 0u ? length(centre) : centre.y;
-  float reach = l.radius + 1e-4 * (l.radius + abs(centre.x) + abs(depth) + abs(centre.z));
+  vec3 center = tile.view.worldToView * vec4(l.position, 1.0);
+  float depth = kLens != 0u ? length(center) : center.y;
+  float reach = l.radius + 1e-4 * (l.radius + abs(center.x) + abs(depth) + abs(center.z));
   uint a = keyAt(tile.view.projection, depth - reach), b = keyAt(tile.view.projection, depth + reach);
   uint near = min(max(a, b), tile.slices.x), far = min(a, b);
   uint mask = (0xffffffffu << sliceOf(near, tile.slices)) & (0xffffffffu >> (31u - sliceOf(far, tile.slices)));
-  bool reaches = reachesTile(tile, centre, reach) && far <= tile.slices.x;
+  bool reaches = reachesTile(tile, center, reach) && far <= tile.slices.x;
   return reaches ? mask : 0u;
 }
 

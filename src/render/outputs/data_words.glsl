@@ -5,7 +5,7 @@
 #include "render/outputs/exact_targets.glsl"
 #include "render/outputs/data_words.h"
 
-// The words of each image (dataWordsOf() of data_words.h).
+// The words of each image (dataWordsOf() of pack_surfaces.h).
 layout(constant_id = kFirstDataWordsConstant + 0) const uint kDataWords0 = kNoDataWords;
 layout(constant_id = kFirstDataWordsConstant + 1) const uint kDataWords1 = kNoDataWords;
 layout(constant_id = kFirstDataWordsConstant + 2) const uint kDataWords2 = kNoDataWords;

@@ -251,8 +251,8 @@ Box SceneBvh::boundsOf(uint32_t index) const {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   if (gpuScene_.geometry().isDeformed(instance.mesh)) {
     const Sphere& sphere = gpuScene_.instances().bounds(index);
-    low = glm::dvec3(sphere.centre) - double{sphere.radius};
-    high = glm::dvec3(sphere.centre) + double{sphere.radius};
+    low = glm::dvec3(sphere.center) - double{sphere.radius};
+    high = glm::dvec3(sphere.center) + double{sphere.radius};
   } else {
     const Box& box = meshes_[instance.mesh].bounds;
     for (int corner = 0; corner < 8; ++corner) {
@@ -280,7 +280,7 @@ shared::RayInstance SceneBvh::recordOf(uint32_t index) const {
   double reach = reachOf(bvh.bounds, linear);
   if (gpuScene_.geometry().isDeformed(instance.mesh)) {
     const Sphere& sphere = gpuScene_.instances().bounds(index);
-    reach = glm::length(glm::dvec3(sphere.centre) - glm::dvec3(instance.objectToWorld[3])) + sphere.radius;
+    reach = glm::length(glm::dvec3(sphere.center) - glm::dvec3(instance.objectToWorld[3])) + sphere.radius;
   }
   record.reach = static_cast<float>(reach * (1 + kRounding));
   return record;

@@ -29,7 +29,7 @@ void addAreaShadows(const FrameContext& f, const Gbuffer& gbuffer) {
   if (cpu && f.setup.areaShadowRays > kMaxRaysOnCpu)
     badUsage("a CPU device supports at most {} shadow rays per light, but --samples requests {}", kMaxRaysOnCpu,
              f.setup.areaShadowRays);
-  // On a CPU device, each light has its own pass, for the same reason.
+  // On a CPU device, each light has its own pass, because a shader's loops are limited there, too (ray_shadows.h).
   const uint32_t count = f.scene.areaLights(), atOnce = cpu ? 1 : count;
   for (uint32_t first = 0; first < count; first += atOnce) {
     ComputePass pass = lightingPass(f, gbuffer, "area shadows", "area_shadows.comp", {.picture = true, .counts = true});

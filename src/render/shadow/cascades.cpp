@@ -30,16 +30,16 @@ Sphere around(const shared::View& view, double near, double far) {
   const shared::Projection& p = view.projection;
   const double x = (1 + std::abs(double{p.X})) / p.H, z = (1 + std::abs(double{p.Z})) / p.V;
   const double k = x * x + z * z;
-  double centre = 0, radius = 0;
+  double center = 0, radius = 0;
   if (p.kind == shared::kOrthographic) {
-    centre = 0.5 * (near + far);
+    center = 0.5 * (near + far);
     radius = std::sqrt(0.25 * (far - near) * (far - near) + k);
   } else {
     // The center is equidistant from the near and far corners, unless it would be beyond the far ones.
-    centre = std::min(0.5 * (near + far) * (1 + k), far);
-    radius = std::sqrt((far - centre) * (far - centre) + far * far * k);
+    center = std::min(0.5 * (near + far) * (1 + k), far);
+    radius = std::sqrt((far - center) * (far - center) + far * far * k);
   }
-  return {view.viewToWorld * glm::vec4(0, static_cast<float>(centre), 0, 1), static_cast<float>(radius)};
+  return {view.viewToWorld * glm::vec4(0, static_cast<float>(center), 0, 1), static_cast<float>(radius)};
 }
 
 // The view depth of the nearest corner of the bounds. The bounding sphere of the scene may begin far in front of it.
@@ -61,15 +61,15 @@ double cascadeShare(uint32_t cascade) {
 
 std::vector<Sphere> fitCascades(const shared::View& view, const scene::Bounds& bounds) {
   if (bounds.empty()) return {};
-  const Sphere scene{glm::vec3(bounds.centre()), std::max(static_cast<float>(bounds.radius()), 1e-6f)};
+  const Sphere scene{glm::vec3(bounds.center()), std::max(static_cast<float>(bounds.radius()), 1e-6f)};
   const shared::Projection& p = view.projection;
-  const double centre = (view.worldToView * glm::vec4(scene.centre, 1)).y, radius = scene.radius;
+  const double center = (view.worldToView * glm::vec4(scene.center, 1)).y, radius = scene.radius;
   const double margin = 1e-3 * radius;  // for flat scenes and rounded coordinates
   const double near = shared::viewDepth(p, 1.0f), far = shared::viewDepth(p, 0.0f);
   // Distances in an orthographic view are measured from its near end, which may be behind its own position.
   const double from = p.kind == shared::kOrthographic ? near : 0;
   const double first = std::max(nearestDepth(bounds, view) - margin, near) - from;
-  const double last = std::min(centre + radius, far) - from;
+  const double last = std::min(center + radius, far) - from;
   if (!(last > 0) || !(last > first)) return {};
   const double end = steppedUp(last), begin = first > 0 ? steppedDown(first) : 0;
   std::vector<Sphere> spheres;

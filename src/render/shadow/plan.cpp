@@ -129,8 +129,8 @@ Frame cascadeFrame(const Axes& axes, const Sphere& sphere, const Interval& depth
   Frame f{.axes = axes, .half = withMargin(sphere.radius, size)};
   // Snapped to multiples of a texel from the world's origin, so a texel covers the same positions as the view moves.
   const double texel = 2 * f.half / size;
-  f.across = std::round(glm::dot(axes.right, dvec3(sphere.centre)) / texel) * texel;
-  f.upward = std::round(glm::dot(axes.up, dvec3(sphere.centre)) / texel) * texel;
+  f.across = std::round(glm::dot(axes.right, dvec3(sphere.center)) / texel) * texel;
+  f.upward = std::round(glm::dot(axes.up, dvec3(sphere.center)) / texel) * texel;
   const double margin = 1e-3 * (depths.high - depths.low) + 1e-6;
   f.near = depths.low - margin;
   f.far = depths.high + margin;
@@ -253,7 +253,7 @@ Shared sharedOf(const ShadowScene& scene, uint32_t world, const ShadowCaster& ca
   Shared key{world, caster.light, caster.size, {}};
   if (shared::lightIsDirectional(scene.lights[caster.light].type))
     for (const Sphere& s : cascades)
-      for (const float value : {s.centre.x, s.centre.y, s.centre.z, s.radius})
+      for (const float value : {s.center.x, s.center.y, s.center.z, s.radius})
         key.cascades.push_back(std::bit_cast<uint32_t>(value));
   return key;
 }

@@ -14,7 +14,7 @@ void addRayShadows(const FrameContext& f, const Gbuffer& gbuffer) {
   if (cpu && f.shadows->mostRays() > kMaxRaysOnCpu)
     badUsage("a CPU device supports at most {} shadow rays per light, but --samples requests {}", kMaxRaysOnCpu,
              f.shadows->mostRays());
-  // On a CPU device, each light has its own pass, for the same reason.
+  // On a CPU device, each light has its own pass, because a shader's loops are limited there, too (ray_shadows.h).
   const uint32_t columns = f.shadows->columns(), atOnce = cpu ? 1 : columns;
   for (uint32_t first = 0; first < columns; first += atOnce) {
     ComputePass pass = lightingPass(f, gbuffer, "ray shadows", "ray_shadows.comp", {.picture = true, .counts = true});

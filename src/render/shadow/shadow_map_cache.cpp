@@ -20,15 +20,15 @@ uint64_t hashOf(const shared::Instance& record) {
 }
 
 bool meet(const Sphere& a, const Sphere& b) {
-  return glm::length(a.centre - b.centre) <= a.radius + b.radius;
+  return glm::length(a.center - b.center) <= a.radius + b.radius;
 }
 
 // Returns true if a caster may cast shadows into the map. Vertices are rounded when they are drawn, by more at larger
 // distance from the origin.
 bool castsInto(const Sphere& caster, const CachedShadowMap& map) {
   constexpr float kRounding = 1e-5f;
-  const glm::vec3 at = glm::abs(caster.centre);
-  const Sphere rounded{caster.centre, caster.radius + kRounding * (at.x + at.y + at.z + caster.radius)};
+  const glm::vec3 at = glm::abs(caster.center);
+  const Sphere rounded{caster.center, caster.radius + kRounding * (at.x + at.y + at.z + caster.radius)};
   return (!map.within || meet(*map.within, rounded)) && map.frustum.touches(rounded);
 }
 
@@ -51,7 +51,7 @@ uint64_t texelsOf(std::span<const ShadowMapCache::Request> requested) {
 // --- invalidation ---------------------------------------------------------------------------------------------------
 
 bool ShadowMapCache::Caster::operator==(const Caster& other) const {
-  return bounds.centre == other.bounds.centre && bounds.radius == other.bounds.radius && record == other.record &&
+  return bounds.center == other.bounds.center && bounds.radius == other.bounds.radius && record == other.record &&
          shape == other.shape;
 }
 

@@ -32,7 +32,7 @@ namespace {
 // Returns the maximum number of views at once. With the raster compute, a view may have one layer per sample, and small
 // views are rendered together until they have enough pixels to keep a GPU busy. Results that the host reads come in
 // smaller groups, of which it reads one while the device renders the next.
-size_t mostViews(const vk::Device& device, const Settings& settings, Results results, uint64_t parts) {
+size_t maxViews(const vk::Device& device, const Settings& settings, Results results, uint64_t parts) {
   constexpr size_t kLayers = 256;  // the array layers that every Vulkan device supports
   constexpr uint64_t kPixelsAtOnce = uint64_t{1} << 24, kMaxWork = uint64_t{1} << 31;  // its counter has 32 bits
   if (!rastersInCompute(settings)) return kLayers;
@@ -407,7 +407,7 @@ size_t Renderer::viewsAtOnce(const RenderJob& job) const {
   const bool shadows = castsShadows(job.settings) && shadowTexels(job.settings) > 0;
   const size_t atOnce =
       std::min(job.viewCount(),
-               mostViews(device_, job.settings, shadows ? Results::ToHost : job.results, rasterInstances_.all().parts));
+               maxViews(device_, job.settings, shadows ? Results::ToHost : job.results, rasterInstances_.all().parts));
   if (!shadows) return atOnce;
   return std::clamp<uint64_t>(memoryForViews(device_) / (4 * shadowTexels(job.settings)), 1, atOnce);
 }
@@ -809,16 +809,16 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
   }
   begin(settings, moment);
   checkTargets(settings);
-  Settings atCentres = settings;
-  atCentres.aa.samples = 1;
-  atCentres.shutter = atCentres.readout = 0;
-  atCentres.aperture = {};
-  RenderJob job({&camera, 1}, scene_, atCentres, moment, settings.height);
+  Settings atCenters = settings;
+  atCenters.aa.samples = 1;
+  atCenters.shutter = atCenters.readout = 0;
+  atCenters.aperture = {};
+  RenderJob job({&camera, 1}, scene_, atCenters, moment, settings.height);
   job.meteredExposures = exposures;
   const Layout& layout = *settings.layout;
-  const std::shared_ptr<FrameShadows> shadows = placeShadows(planShadows(job.now, atCentres), atCentres);
+  const std::shared_ptr<FrameShadows> shadows = placeShadows(planShadows(job.now, atCenters), atCenters);
   const ViewBatch part(job, 0, 1, {0, settings.height}, shadows, ShadowMapState::Cached);
-  ViewSet set(state_, viewsOf(part, CameraSample{}), atCentres, shadows.get(), VisibilityOptions{.atCentres = true});
+  ViewSet set(state_, viewsOf(part, CameraSample{}), atCenters, shadows.get(), VisibilityOptions{.atCenters = true});
   std::optional<graph::Graph> graph;
   std::optional<RawReadback> readback;
   graph::Submission done;
@@ -826,7 +826,7 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
   do {
     const bool again = graph.has_value();
     graph.emplace(executor_);
-    FrameContext f = set.frame(*graph, frameSetup(atCentres, shadows != nullptr));
+    FrameContext f = set.frame(*graph, frameSetup(atCenters, shadows != nullptr));
     f.shadowState = again ? ShadowMapState::Discarded : ShadowMapState::Cached;
     const LitFrame lit = addOpaque(f);
     readback.emplace(*graph, layout, settings.normals->index, lit.gbuffer);

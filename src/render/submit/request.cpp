@@ -77,13 +77,13 @@ bool FrameGraphBuilder::isSteady() const {
 }
 
 ViewSet& FrameGraphBuilder::steady() {
-  if (!steady_) steady_.emplace(state_, steadyViews_, settings_, shadows_, VisibilityOptions{.atCentres = true});
+  if (!steady_) steady_.emplace(state_, steadyViews_, settings_, shadows_, VisibilityOptions{.atCenters = true});
   return *steady_;
 }
 
 ViewSet& FrameGraphBuilder::jittered() {
   if (isSteady()) return steady();
-  const VisibilityOptions options{.atCentres = settings_.aa.samples == 1};
+  const VisibilityOptions options{.atCenters = settings_.aa.samples == 1};
   if (!jittered_) jittered_.emplace(state_, jitteredViews_, settings_, shadows_, options);
   return *jittered_;
 }
@@ -236,7 +236,7 @@ void FrameGraphBuilder::addData() {
   ViewSet* set = &steady();
   VisibilityBuffer visible;
   if (showsBlendedData()) {
-    solid_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.blendedToo = true, .atCentres = true});
+    solid_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.blendedToo = true, .atCenters = true});
     set = &*solid_;
     visible = addVisibility(solid_->frame(graph_, FrameConfig{}));
   } else {

@@ -28,15 +28,16 @@ namespace {
 using shared::kFragmentRow;
 using shared::kShortList;
 
-constexpr uint32_t kGroup = 256;                        // invocations of the shaders that loop over fragments
-constexpr uint32_t kMaxGroups = 4096;                   // maximum workgroups per pass; their invocations loop
-constexpr uint32_t kBlendedAtOnce = 16'384;             // fragments of a long list; far below lavapipe's loop limit
-constexpr uint64_t kMinRoom = 1 << 16;                  // minimum capacity in fragments
-constexpr uint64_t kMaxRoom = (uint64_t{1} << 31) - 1;  // maximum capacity: indices into buffers are signed in SPIR-V
+constexpr uint32_t kGroup = 256;             // invocations of the shaders that loop over fragments
+constexpr uint32_t kMaxGroups = 4096;        // maximum workgroups per pass; their invocations loop
+constexpr uint32_t kBlendedAtOnce = 16'384;  // fragments of a long list; far below lavapipe's loop limit
+constexpr uint64_t kMinFragments = 1 << 16;  // minimum capacity in fragments
+constexpr uint64_t kMaxFragments =
+    (uint64_t{1} << 31) - 1;  // maximum capacity: indices into buffers are signed in SPIR-V
 
 // The maximum capacity in fragments, which are stored in one buffer.
 uint64_t maxFragments(vk::Device& device, const TransparencySetup& setup) {
-  const uint64_t most = std::min(kMaxRoom, device.maxBufferSize() / sizeof(shared::Fragment));
+  const uint64_t most = std::min(kMaxFragments, device.maxBufferSize() / sizeof(shared::Fragment));
   return setup.most ? std::min(most, setup.most) : most;
 }
 
@@ -48,7 +49,7 @@ struct FragmentCapacity {
 
 FragmentCapacity capacityFor(const FrameContext& f) {
   const uint64_t most = maxFragments(f.device, f.setup.transparency);
-  const uint64_t first = std::max(uint64_t{f.width} * f.height * f.viewCount(), kMinRoom);
+  const uint64_t first = std::max(uint64_t{f.width} * f.height * f.viewCount(), kMinFragments);
   const uint64_t learned = f.overflow ? f.overflow->fragments : 0;
   return {std::min(learned ? learned : first, most), std::max(f.overflow ? f.overflow->longestList : 0, kShortList)};
 }

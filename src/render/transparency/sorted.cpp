@@ -21,8 +21,8 @@ std::vector<Draw> backToFront(const FrameContext& f, const DeviceDraws& draws, u
   for (Draw draw : draws[view]) {
     const uint32_t end = draw.first + draw.count;
     for (draw.count = 1; draw.first < end; ++draw.first) {
-      const glm::vec3 centre = bounds[draws.instance(draw.first)].centre;
-      placed.push_back({(f.views[view].worldToView * glm::vec4(centre, 1.0f)).y, draw});
+      const glm::vec3 center = bounds[draws.instance(draw.first)].center;
+      placed.push_back({(f.views[view].worldToView * glm::vec4(center, 1.0f)).y, draw});
     }
   }
   std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) { return a.depth > b.depth; });

@@ -52,7 +52,7 @@ DeviceDraws HardwareVisibility::select(DrawOrder::Kind kind, std::span<const sha
     for (size_t view = begin; view < end; ++view) {
       const Frustum frustum(views[view]);
       const auto wanted = [&](const Sphere& bounds) {
-        return frustum.touches(bounds) && (!options_.atCentres || frustum.holdsCentre(bounds));
+        return frustum.touches(bounds) && (!options_.atCenters || frustum.holdsCenter(bounds));
       };
       lists[view] = order_.select(scene_, kind, wanted, views[view].group, views[view].world);
     }

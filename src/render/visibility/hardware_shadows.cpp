@@ -45,7 +45,7 @@ VkRenderingAttachmentInfo cleared(VkImageView view, const VkClearValue& value) {
 }
 
 bool overlap(const Sphere& a, const Sphere& b) {
-  return glm::length(a.centre - b.centre) < a.radius + b.radius;
+  return glm::length(a.center - b.center) < a.radius + b.radius;
 }
 
 // Selects the shadow casters, one list per map.

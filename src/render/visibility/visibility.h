@@ -37,7 +37,7 @@ struct VisibilityOptions {
   bool blendedToo = false;  // blended surfaces with alpha above 0 count as opaque: for data outputs
   bool inCompute = false;   // rasterizes in compute shaders regardless of the settings
   bool traced = false;      // rays find the visible surfaces instead of rasterization; the rest is as in compute
-  bool atCentres = false;   // one sample at the pixel's center; instances that cover no center are culled
+  bool atCenters = false;   // one sample at the pixel's center; instances that cover no center are culled
 };
 
 // Finds the nearest surface per sample (setup.samples) and per pixel. At equal depth the surface that is drawn last

@@ -76,7 +76,7 @@ std::span<const BoxesBox> boxesBoxes();  // including the floor and the wall, wh
 inline constexpr uint32_t kSpheresColumns = 9, kSpheresRows = 5;
 inline constexpr float kSpheresRadius = 0.44f, kSpheresPitch = 1.0f;
 inline constexpr vec3 kSpheresBaseColor{0.955f, 0.62f, 0.33f};
-vec3 spheresCentre(uint32_t column, uint32_t row);
+vec3 spheresCenter(uint32_t column, uint32_t row);
 
 // --- builtin:hall (builtin/hall) ------------------------------------------------------------------------------------
 //

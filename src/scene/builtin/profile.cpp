@@ -115,14 +115,14 @@ Profile& Profile::arc(double x, double y, double quarters, double segmentsPerQua
   // The center lies on the chord's bisector, at a distance of half the chord over tan(half the angle).
   const double half = quarters * 0.5;
   const dvec2 chord = b - a, left(-chord.y, chord.x);
-  const dvec2 centre = (a + b) * 0.5 + left * (0.5 * cosQuarters(half) / sinQuarters(half));
-  const dvec2 spoke = a - centre;
+  const dvec2 center = (a + b) * 0.5 + left * (0.5 * cosQuarters(half) / sinQuarters(half));
+  const dvec2 spoke = a - center;
   push(
       [=](double t) {
         if (t <= 0) return a;
         if (t >= 1) return b;
         const double c = cosQuarters(quarters * t), s = sinQuarters(quarters * t);
-        return centre + dvec2(spoke.x * c - spoke.y * s, spoke.x * s + spoke.y * c);
+        return center + dvec2(spoke.x * c - spoke.y * s, spoke.x * s + spoke.y * c);
       },
       segmentsPerQuarter * std::abs(quarters), std::abs(quarters) > 1.2 ? 2 : 1, b);
   return *this;
@@ -181,19 +181,6 @@ std::vector<Profile::Run> Profile::sample(const Detail& detail) const {
   }
   const double lost = whole_ ? 0 : membersLost(detail);
   return lost > 0 ? simplified(runs, lost) : runs;
-}
-
-double Profile::meanX() const {
-  double sum = 0, weight = 0;
-  for (const Element& element : elements_) {
-    for (int i = 0; i < 4; ++i) {
-      const dvec2 a = element.at(i / 4.0), b = element.at((i + 1) / 4.0);
-      const double length = glm::length(b - a);
-      sum += std::abs(a.x + b.x) * 0.5 * length;
-      weight += length;
-    }
-  }
-  return weight > 0 ? sum / weight : 0;
 }
 
 Path circle(const Axis& axis, uint32_t columns, double radius) {

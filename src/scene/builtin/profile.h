@@ -40,8 +40,6 @@ class Profile {
   // Samples the profile. Finer moldings are omitted at low detail.
   std::vector<Run> sample(const Detail& detail) const;
 
-  double meanX() const;
-
  private:
   struct Element {
     std::function<dvec2(double)> at;  // t in [0, 1]

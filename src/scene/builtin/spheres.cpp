@@ -8,7 +8,7 @@
 
 namespace latelight::scene {
 
-vec3 spheresCentre(uint32_t column, uint32_t row) {
+vec3 spheresCenter(uint32_t column, uint32_t row) {
   return {(float(column) - 0.5f * float(kSpheresColumns - 1)) * kSpheresPitch,
           (float(row) - 0.5f * float(kSpheresRows - 1)) * kSpheresPitch, 0};
 }
@@ -62,7 +62,7 @@ Scene makeSpheres() {
       const std::string name = fmt::format("metallic {:.3f} roughness {:.2f}", metallic, roughness);
       builder.scene.materials.push_back(plainMaterial(name, kSpheresBaseColor, metallic, roughness));
       mat4 local(1);
-      local[3] = vec4(spheresCentre(column, row), 1);
+      local[3] = vec4(spheresCenter(column, row), 1);
       builder.addInstance(name, SceneBuilder::kRoot, 0, row * kSpheresColumns + column, local);
     }
   }

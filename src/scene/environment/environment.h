@@ -39,7 +39,7 @@ struct Environment {
   // the zenith.
   RadianceMap radiance;
   // Prefiltered radiance, convolved with lobes that are rotationally symmetric about the direction
-  // (environment_tree.h): one octahedral map per level, sampled bilinearly through octahedralTexture() of
+  // (tree.h): one octahedral map per level, sampled bilinearly through octahedralTexture() of
   // shared/environment.h, without a seam. Level i has roughness kSpecularRoughness[i] and half the size of the previous
   // level, so that the levels form a mip chain. All have the same type.
   std::vector<RadianceMap> specular;

@@ -69,18 +69,18 @@ void checkWindow(const Window& window, const std::string& name) {
 
 void readRows(Imf::InputPart& part, const Window& window, const ChannelNames& channels, FloatImage& rows) {
   const size_t pixelBytes = 4 * sizeof(float), rowBytes = pixelBytes * rows.width;
-  const bool grey = channels[0] == channels[1];
+  const bool gray = channels[0] == channels[1];
   const Imath::V2i origin(static_cast<int>(window.x), static_cast<int>(window.y));
   Imf::FrameBuffer buffer;
   for (size_t i = 0; i < channels.size(); ++i) {
-    if (grey && (i == 1 || i == 2)) continue;
+    if (gray && (i == 1 || i == 2)) continue;
     // OpenEXR adds the window's origin; Slice::Make subtracts it again. Absent channels (alpha) are filled with 1.
     buffer.insert(channels[i], Imf::Slice::Make(Imf::FLOAT, rows.pixels.data() + i, origin, rows.width, rows.height,
                                                 pixelBytes, rowBytes, 1, 1, 1.0));
   }
   part.setFrameBuffer(buffer);
   part.readPixels(origin.y, origin.y + static_cast<int>(rows.height) - 1);
-  if (grey) {
+  if (gray) {
     for (size_t i = 0; i < rows.pixels.size(); i += 4) rows.pixels[i + 1] = rows.pixels[i + 2] = rows.pixels[i];
   }
 }

@@ -22,7 +22,7 @@ struct Source {
   size_t first = 0, count = 0;    // the range of vertices that the indices use
 };
 
-// Locates the data, decodes Draco, unrolls strips and fans, and checks every index. (gltf_topology.cpp)
+// Locates the data, decodes Draco, unrolls strips and fans, and checks every index. (topology.cpp)
 Source readSource(const Document& document, const file::Primitive& primitive, std::string name);
 
 // Reads the elements of an attribute of the source, or of a morph target ("targets[1].NORMAL"). Elements that are not
@@ -37,11 +37,11 @@ std::vector<glm::vec<N, float>> readAttribute(const Document& document, const So
 }
 
 // Adds the texture coordinates and colors of weighted morph targets, which a Deformation does not change.
-// (gltf_pose.cpp)
+// (pose.cpp)
 void morphCoordinatesAndColors(const Document& document, const file::Primitive& primitive, const Source& source,
                                const std::vector<double>& weights, Vertices& vertices);
 // Read skin weights, and the positions, normals and tangents of a morph target, as data for vertices that are copies of
-// those in `origin`. readSkinWeights() reads nothing if a primitive has no weights. (gltf_pose.cpp)
+// those in `origin`. readSkinWeights() reads nothing if a primitive has no weights. (pose.cpp)
 void readSkinWeights(const Document& document, int skin, const Source& source, const std::vector<uint32_t>& origin,
                      Deformation& deformation);
 MorphTarget readMorphTarget(const Document& document, const file::Primitive& primitive, size_t index,

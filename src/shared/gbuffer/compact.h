@@ -67,8 +67,8 @@ SH_FUNC uvec2 packReflectance(vec3 share) {
                (r >> 8u) | ((g >> 8u) << 1u) | ((b >> 8u) << 2u));
 }
 SH_FUNC vec3 unpackReflectance(uint low, uint high) {
-  float grey = fromRootBits(low, 16u);
-  if ((high & kUntinted) != 0u) return vec3(grey, grey, grey);
+  float gray = fromRootBits(low, 16u);
+  if ((high & kUntinted) != 0u) return vec3(gray, gray, gray);
   return vec3(fromRootBits((low & 255u) | ((high & 1u) << 8u), 9u),
               fromRootBits(((low >> 8u) & 255u) | ((high & 2u) << 7u), 9u),
               fromRootBits(((low >> 16u) & 255u) | ((high & 4u) << 6u), 9u));

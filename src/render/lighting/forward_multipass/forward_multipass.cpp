@@ -19,7 +19,7 @@ struct Targets {
 };
 
 bool reaches(const shared::Light& light, const Sphere& bounds) {
-  const float distance = glm::length(light.position - bounds.centre);
+  const float distance = glm::length(light.position - bounds.center);
   return shared::lightIsDirectional(light.type) || distance < light.radius + bounds.radius;
 }
 

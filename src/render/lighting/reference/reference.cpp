@@ -30,9 +30,9 @@ uint64_t pixelCount(const FrameContext& f) {
 // reach; drivers of GPUs end passes that take seconds.
 uint32_t samplesAtOnce(const FrameContext& f, bool sharing) {
   if (f.device.isCpu()) return 1;
-  constexpr uint64_t kMost = 16, kMostBytes = uint64_t{256} << 20;  // of records
-  if (!sharing) return kMost;
-  return static_cast<uint32_t>(std::clamp<uint64_t>(kMostBytes / (pixelCount(f) * shared::kPathRecordBytes), 1, kMost));
+  constexpr uint64_t kMax = 16, kMaxBytes = uint64_t{256} << 20;  // of records
+  if (!sharing) return kMax;
+  return static_cast<uint32_t>(std::clamp<uint64_t>(kMaxBytes / (pixelCount(f) * shared::kPathRecordBytes), 1, kMax));
 }
 
 // Returns the number of blocks of pixels in a workgroup of paths.comp. A path takes as many registers as a GPU has per
@@ -40,10 +40,10 @@ uint32_t samplesAtOnce(const FrameContext& f, bool sharing) {
 // are in flight while they wait for memory. The state of paths with coats and transmission does not fit into fewer. In
 // small pictures, large workgroups would leave parts of a GPU without work (docs/experiments.md, "Registers of paths").
 uint32_t blocksOfPaths(const FrameContext& f) {
-  constexpr uint32_t kBlock = shared::kPixelGroupX * shared::kPixelGroupY, kMost = 6, kLeastGroups = 1024;
-  if (f.device.isCpu() || f.setup.layers || pixelCount(f) < uint64_t{kLeastGroups} * kBlock * kMost) return 1;
+  constexpr uint32_t kBlock = shared::kPixelGroupX * shared::kPixelGroupY, kMax = 6, kMinGroups = 1024;
+  if (f.device.isCpu() || f.setup.layers || pixelCount(f) < uint64_t{kMinGroups} * kBlock * kMax) return 1;
   const VkPhysicalDeviceLimits& limits = f.device.properties().limits;
-  return std::min({kMost, (f.height + shared::kPixelGroupY - 1) / shared::kPixelGroupY,
+  return std::min({kMax, (f.height + shared::kPixelGroupY - 1) / shared::kPixelGroupY,
                    limits.maxComputeWorkGroupInvocations / kBlock, limits.maxComputeWorkGroupSize[1]});
 }
 

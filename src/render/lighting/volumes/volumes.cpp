@@ -150,7 +150,7 @@ class VolumePlan {
   float projectedRadius(const Sphere& sphere) const {
     const float scale = view_.projection.V * view_.size.y * 0.5f;
     if (view_.projection.kind == shared::kOrthographic) return sphere.radius * scale;
-    const glm::vec3 offset = sphere.centre - view_.eye;
+    const glm::vec3 offset = sphere.center - view_.eye;
     const float squared = glm::dot(offset, offset) - sphere.radius * sphere.radius;
     return squared > 0 ? sphere.radius * scale / std::sqrt(squared) : std::numeric_limits<float>::infinity();
   }

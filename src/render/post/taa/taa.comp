@@ -89,11 +89,11 @@ Near lookAround(View view, ivec3 pixel, ivec2 size) {
 
 // Samples the history with a Catmull-Rom filter, which blurs less per step than bilinear filtering.
 vec4 sampleHistory(vec2 position, ivec2 size, int layer) {
-  vec2 centre = floor(position - 0.5) + 0.5, f = position - centre;
+  vec2 center = floor(position - 0.5) + 0.5, f = position - center;
   vec2 w0 = f * (-0.5 + f * (1.0 - 0.5 * f)), w1 = 1.0 + f * f * (-2.5 + 1.5 * f);
   vec2 w2 = f * (0.5 + f * (2.0 - 1.5 * f)), w3 = f * f * (-0.5 + 0.5 * f);
   vec2 middle = w1 + w2;
-  vec2 at[3] = vec2[3](centre - 1.0, centre + w2 / middle, centre + 2.0);
+  vec2 at[3] = vec2[3](center - 1.0, center + w2 / middle, center + 2.0);
   vec2 weight[3] = vec2[3](w0, middle, w3);
   vec4 sum = vec4(0.0);
   for (int y = 0; y < 3; ++y)

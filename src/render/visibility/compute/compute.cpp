@@ -50,7 +50,7 @@ ComputeVisibility::ComputeVisibility(const GpuScene& scene, const RasterInstance
       rasterInstances_(rasterInstances),
       clusterOcclusion_(occluded),
       occlusionHistory_(options.blendedToo  ? OcclusionHistory::WithBlended
-                        : options.atCentres ? OcclusionHistory::Steady
+                        : options.atCenters ? OcclusionHistory::Steady
                                             : OcclusionHistory::Jittered),
       share_(options.blendedToo ? rasterInstances.all() : rasterInstances.solid()),
       leavesOutBlended_(rasterInstances.mixesBlended() && !options.blendedToo),
@@ -110,13 +110,13 @@ RasterViews ComputeVisibility::pinholeViews(const FrameContext& f) const {
                           .pixels = f.lens->pixels.address(),
                           .views = static_cast<uint32_t>(f.lens->views.size()),
                           .width = f.width};
-  RasterViews pinholes = viewsBeside(f, views);
+  RasterViews pinholes = viewsOf(f, views);
   pinholes.lens = true;
   pinholes.within = f.graph.constants(std::as_bytes(std::span(&target, 1)));
   return pinholes;
 }
 
-RasterViews ComputeVisibility::viewsBeside(const FrameContext& f, const std::vector<shared::View>& views) const {
+RasterViews ComputeVisibility::viewsOf(const FrameContext& f, const std::vector<shared::View>& views) const {
   const VkDeviceAddress list = f.graph.constants(std::as_bytes(std::span(views)));
   std::vector<shared::FrameConstants> frames(f.worlds ? views.size() : 1);
   for (size_t i = 0; i < frames.size(); ++i) {
@@ -412,10 +412,10 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, const ShadowMaps&
     const Sphere sphere = map->view->within.value_or(Sphere{glm::vec3(0), kEverywhere});
     const uint32_t first = firstPageWord(atlasDesc, map->tile);
     views.push_back(reversed(*map->view));
-    within.push_back({glm::vec4(sphere.centre, std::min(sphere.radius, kEverywhere)), first, step});
+    within.push_back({glm::vec4(sphere.center, std::min(sphere.radius, kEverywhere)), first, step});
     targets.push_back(targetOf(*map, first, step));
   }
-  RasterViews maps = viewsBeside(f, views);
+  RasterViews maps = viewsOf(f, views);
   maps.within = f.graph.constants(std::as_bytes(std::span(within)));
   maps.pages = together.pages;
   storeShadowMaps(f, maps, f.graph.constants(std::as_bytes(std::span(targets))), atlas, use);

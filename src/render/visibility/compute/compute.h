@@ -47,7 +47,7 @@ class ComputeVisibility {
   RasterViews viewsOf(const FrameContext& f) const;
   RasterViews pinholeViews(const FrameContext& f) const;
   // Sets up views of one size that are not the frame's views.
-  RasterViews viewsBeside(const FrameContext& f, const std::vector<shared::View>& views) const;
+  RasterViews viewsOf(const FrameContext& f, const std::vector<shared::View>& views) const;
   struct ShadowMaps;
   void addShadowMapsOf(const FrameContext& f, const ShadowMaps& maps, graph::ImageId atlas, graph::Use use) const;
   void storeShadowMaps(const FrameContext& f, const RasterViews& maps, VkDeviceAddress targets, graph::ImageId atlas,

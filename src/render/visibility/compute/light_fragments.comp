@@ -17,7 +17,7 @@ layout(constant_id = kSortedConstant) const uint kSorted = 0u;
 // Sets the key for sorting by instance: the view depth of the instance's center, farther ones first. An instance's back
 // faces come before its front faces, which is correct for convex meshes. The keys order up to 2^31 blended triangles.
 void setSortedKey(inout Fragment f, View view, VisibleTriangle t, SurfacePoint p) {
-  f.depth = ~orderedBits((view.worldToView * vec4(t.draw.centre, 1.0)).y);
+  f.depth = ~orderedBits((view.worldToView * vec4(t.draw.center, 1.0)).y);
   f.order = 2u * (t.draw.firstTriangle - push.firstTriangle) + (p.facing > 0.0 ? t.draw.triangles : 0u) + t.number;
 }
 

@@ -42,7 +42,7 @@ vec4 boundsOf(WorldJob job, WorldTemplate t, dmat4 toWorld) {
   return vec4(vec3(center), float((1.0lf + kRounding) * radius + kCenterRounding * (size.x + size.y + size.z)));
 }
 
-// Triangles of this size need more precision than floats have (GpuInstances::isVast()).
+// Triangles of this size need more precision than floats have (isVast() of instances.cpp).
 bool isVast(float longestEdge, dmat4 toWorld) {
   double squared = dotOf(toWorld[0].xyz, toWorld[0].xyz) + dotOf(toWorld[1].xyz, toWorld[1].xyz);
   squared += dotOf(toWorld[2].xyz, toWorld[2].xyz);
@@ -143,7 +143,7 @@ void main() {
   RasterInstance raster = RasterTemplates(job.rasterTemplates).v[t.draw];
   vec4 bounds = boundsOf(job, t, toWorld);
   vec2 stretch = stretchOf(record.objectToWorld);
-  raster.centre = bounds.xyz;
+  raster.center = bounds.xyz;
   raster.radius = shown ? bounds.w : uintBitsToFloat(0xff800000u);  // minus infinity
   raster.stretch = stretch.x;
   if (t.deformed != kNowhere) {

@@ -122,15 +122,15 @@ uint coveredSamples(ivec3 at, ivec3 right, ivec3 down) {
 
 // The depths of a triangle within one pixel.
 struct PixelDepth {
-  float centre;
+  float center;
   vec2 steps;
   float least, most;
 };
 float depthAt(PixelDepth d, vec2 place) {
-  return withinRange(d.least, d.most, d.centre + dot(d.steps, place - 0.5));
+  return withinRange(d.least, d.most, d.center + dot(d.steps, place - 0.5));
 }
 float depthAt(PixelDepth d, uint index) {
-  return kSamples == 1u ? withinRange(d.least, d.most, d.centre) : depthAt(d, samplePlace(kSamples, index));
+  return kSamples == 1u ? withinRange(d.least, d.most, d.center) : depthAt(d, samplePlace(kSamples, index));
 }
 
 // --- boxes -----------------------------------------------------------------------------------------------------------

@@ -81,12 +81,12 @@ struct Bounds {
 // Returns false if only back faces of the cluster are visible.
 bool findBounds(View view, RasterInstance r, uint cluster, out Bounds bounds) {
   mat3 viewAxes = mat3(view.worldToView);
-  bounds = Bounds(r.centre - view.eye, r.radius, viewAxes * r.radius, 2.0 * r.radius);
+  bounds = Bounds(r.center - view.eye, r.radius, viewAxes * r.radius, 2.0 * r.radius);
   if (r.clusters == uint64_t(0)) return true;
   mat4x3 placed = relativeToEye(frameInstance(frameOf(push.frame, gl_WorkGroupID.z), r.instance), view);
   Cluster c = ClusterRef(r.clusters).v[cluster];
   mat3 extent = mat3(c.extent.x, 0.0, 0.0, 0.0, c.extent.y, 0.0, 0.0, 0.0, c.extent.z);
-  bounds = Bounds(placed * vec4(c.centre, 1.0), c.radius * r.stretch, viewAxes * (mat3(placed) * extent),
+  bounds = Bounds(placed * vec4(c.center, 1.0), c.radius * r.stretch, viewAxes * (mat3(placed) * extent),
                   c.edge * r.stretch);
   return !facesAway(view, r, c, placed);
 }
@@ -128,17 +128,17 @@ struct ScreenBox {
 
 ScreenBox screenBox(View view, Bounds bounds) {
   Projection p = view.projection;
-  vec3 centre = toView(view, bounds.center);
-  vec3 slack = vec3(1e-5 * (abs(centre.x) + abs(centre.y) + abs(centre.z)));
+  vec3 center = toView(view, bounds.center);
+  vec3 slack = vec3(1e-5 * (abs(center.x) + abs(center.y) + abs(center.z)));
   vec3 reach = abs(bounds.sides[0]) + abs(bounds.sides[1]) + abs(bounds.sides[2]) + slack;
-  float nearest = centre.y - reach.y;
+  float nearest = center.y - reach.y;
   if (p.kind == kPerspective && nearest <= 0.0) return ScreenBox(true, 1.0, PixelBox(ivec2(0), ivec2(-1)));
   // Snapping to subpixels may bring a triangle nearer, by at most the depth range of its corners (depthRange() in
   // triangle_depth.glsl).
   float depth = deviceDepth(p, nearest), most = 2.0 * depth - deviceDepth(p, nearest + min(bounds.edge, 2.0 * reach.y));
   vec2 low = vec2(3.0e38), high = vec2(-3.0e38);
   for (uint i = 0u; i < 8u; ++i) {
-    vec3 corner = centre + bounds.sides[0] * ((i & 1u) != 0u ? 1.0 : -1.0) +
+    vec3 corner = center + bounds.sides[0] * ((i & 1u) != 0u ? 1.0 : -1.0) +
                   bounds.sides[1] * ((i & 2u) != 0u ? 1.0 : -1.0) + bounds.sides[2] * ((i & 4u) != 0u ? 1.0 : -1.0);
     float scale = p.kind == kPerspective ? 1.0 / max(corner.y, nearest) : 1.0;
     vec2 ndc = vec2(p.H, p.V) * corner.xz * scale + vec2(p.X, p.Z);
@@ -185,7 +185,7 @@ bool isQueued(uint number, uint viewIndex, RasterInstance r, uint cluster) {
   View view = frameView(FrameRef(push.frame).v, viewIndex);
   // The instance is tested first, because most of a thousand shadow maps see nothing of it and need not load its
   // clusters.
-  if (!inView(view, viewIndex, r.centre - view.eye, r.radius) || !inGroup(view, r)) return false;
+  if (!inView(view, viewIndex, r.center - view.eye, r.radius) || !inGroup(view, r)) return false;
   Bounds bounds;
   bool shows = findBounds(view, r, cluster, bounds) && inView(view, viewIndex, bounds.center, bounds.radius);
   if (kCullPass == kCullAll) return shows;

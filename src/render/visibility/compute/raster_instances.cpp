@@ -95,7 +95,7 @@ void RasterInstances::add(const GpuScene& scene, uint32_t instance) {
   visibleMaterials_.add(material.flags);
   const auto firstTriangle = static_cast<uint32_t>(all_.parts * shared::kRasterGroup);
   const uint32_t parts = (count + shared::kRasterGroup - 1) / shared::kRasterGroup;
-  records_.push_back({bounds.centre, bounds.radius, scene.geometry().clusters(record.mesh), stretchOf(record).most,
+  records_.push_back({bounds.center, bounds.radius, scene.geometry().clusters(record.mesh), stretchOf(record).most,
                       instance, record.mesh, firstTriangle, count, flags});
   all_.parts += parts;
   if (all_.parts >= kMaxParts)
@@ -137,7 +137,7 @@ void RasterInstances::addWorlds(const GpuScene& scene) {
       for (size_t i = 0; i < count; ++i) {
         shared::RasterInstance raster = records_[i];
         const shared::Instance& record = there.records[raster.instance];
-        raster.centre = there.bounds[raster.instance].centre;
+        raster.center = there.bounds[raster.instance].center;
         raster.radius = there.bounds[raster.instance].radius;
         raster.mesh = record.mesh;
         raster.clusters = scene.geometry().clusters(record.mesh);

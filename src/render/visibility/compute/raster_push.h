@@ -32,7 +32,7 @@ SH_CONST uint kRasterClipped = 4u;  // the tiles, after clipping to the view vol
 // at a new part: triangle t of this one has the id firstTriangle + t + 1. Its mesh has one cluster per part, in the
 // same order.
 struct RasterInstance {
-  vec3 centre;        // of the bounding sphere, world space
+  vec3 center;        // of the bounding sphere, world space
   float radius;       // meters; below 0: the instance is not rendered
   uint64_t clusters;  // Cluster[] of its mesh if their bounds are valid, else 0
   float stretch;      // upper bound of the transform's scale from object space

@@ -22,7 +22,7 @@ float planeDepth(uint id, uint viewIndex, vec2 place) {
 // Returns the depth of a multisampled pixel. If all samples show one triangle, it is their mean. Otherwise it is the
 // depth of the first covered sample's plane at the pixel's center, clamped to the samples' range, because a mean would
 // lie between two surfaces.
-float depthAtCentre(ivec3 pixel, uint first) {
+float depthAtCenter(ivec3 pixel, uint first) {
   VisibleRef visible = VisibleRef(push.visible);
   float least = 1.0, most = 0.0, sum = 0.0;
   uint id = 0u;
@@ -45,6 +45,6 @@ void main() {
   ivec3 size = imageSize(depth), pixel = ivec3(gl_GlobalInvocationID);
   if (any(greaterThanEqual(pixel, size))) return;
   uint first = visibleIndex(uvec3(pixel), uvec2(size.xy));
-  float found = kSamples == 1u ? visibleDepth(VisibleRef(push.visible).v[first]) : depthAtCentre(pixel, first);
+  float found = kSamples == 1u ? visibleDepth(VisibleRef(push.visible).v[first]) : depthAtCenter(pixel, first);
   imageStore(depth, pixel, vec4(found));
 }

@@ -24,20 +24,20 @@ void main() {
   ivec2 size = ivec2(view.size);
   if (any(greaterThanEqual(pixel.xy, size))) return;
   uint id = visibleId(VisibleRef(push.visible).v[visibleIndex(uvec3(pixel), uvec2(size))]);
-  vec2 centre = vec2(pixel.xy) + 0.5;
+  vec2 center = vec2(pixel.xy) + 0.5;
   uint index = uint(pixel.z);
   vec4 found;
   if (kLens != 0u)
     found = id == 0u ? backgroundLensMotion(frame, view, index, pixel.xy)
-                     : seenLensMotion(frame, view, index, visibleTriangle(frame, push.instances, id), centre);
+                     : seenLensMotion(frame, view, index, visibleTriangle(frame, push.instances, id), center);
   else
-    found = id == 0u ? backgroundMotion(frame, view, index, centre)
-                     : seenMotion(frame, view, index, visibleTriangle(frame, push.instances, id), centre);
+    found = id == 0u ? backgroundMotion(frame, view, index, center)
+                     : seenMotion(frame, view, index, visibleTriangle(frame, push.instances, id), center);
   if (kMotionOfSurfaces != 0u) {
     found.zw = vec2(1.0, 0.0);
     if (id != 0u) {
       VisibleTriangle t = visibleTriangle(frame, push.instances, id);
-      found.zw = vec2(seenApproach(frame, view, index, t, centre), float(t.draw.instance + 1u));
+      found.zw = vec2(seenApproach(frame, view, index, t, center), float(t.draw.instance + 1u));
     }
   }
   imageStore(motion, pixel, found);

@@ -218,7 +218,7 @@ void addAisles(HallBuilder& hall) {
     const uint32_t aisle = hall.group(side ? "left aisle" : "right aisle", SceneBuilder::kRoot);
     for (int bay = kBays - 1; bay >= 0; --bay) {
       const uint32_t group =
-          hall.group(fmt::format("bay {}", kBays - bay), aisle, rotatedAt(sign * kAisleX, 0, bayCentre(bay), 2 * side));
+          hall.group(fmt::format("bay {}", kBays - bay), aisle, rotatedAt(sign * kAisleX, 0, bayCenter(bay), 2 * side));
       for (const Item& item : items) hall.place(item.name, group, item.mesh, item.material);
     }
     for (int boundary = kBays; boundary >= 0; --boundary) {

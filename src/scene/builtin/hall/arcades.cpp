@@ -184,7 +184,7 @@ void addArcades(HallBuilder& hall) {
     const uint32_t arcade = hall.group(side ? "left arcade" : "right arcade", SceneBuilder::kRoot);
     for (int bay = kBays - 1; bay >= 0; --bay) {
       const uint32_t group =
-          hall.group(fmt::format("bay {}", kBays - bay), arcade, rotatedAt(x, 0, bayCentre(bay), 2 * side));
+          hall.group(fmt::format("bay {}", kBays - bay), arcade, rotatedAt(x, 0, bayCenter(bay), 2 * side));
       hall.place("spandrels", group, spandrel, HallMaterial::Plaster);
       hall.place("archivolt", group, arch, HallMaterial::Trim);
       hall.place("keystone", group, key, HallMaterial::Trim);

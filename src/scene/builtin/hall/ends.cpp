@@ -204,9 +204,9 @@ MeshPlan roseFrame(const Detail& detail) {
   const int petals = detail.scale < 0.3 ? 6 : 12;
   for (int i = 0; i < petals; ++i) {
     const dvec2 cs = onCircle(double(i) / petals), between = onCircle((i + 0.5) / petals);
-    const dvec3 centre(0, kRoseHeight, -0.17), out(cs.x, cs.y, 0);
-    plan.add(rod(centre + 0.4 * out, centre + (r - 0.03) * out, 0.03, detail.segments(6, 4), kPlasterTile));
-    const dvec3 eye = centre + dvec3(between.x, between.y, 0) * (r - 0.3);
+    const dvec3 center(0, kRoseHeight, -0.17), out(cs.x, cs.y, 0);
+    plan.add(rod(center + 0.4 * out, center + (r - 0.03) * out, 0.03, detail.segments(6, 4), kPlasterTile));
+    const dvec3 eye = center + dvec3(between.x, between.y, 0) * (r - 0.3);
     const auto small = [eye](double v) {
       const dvec2 c = onCircle(v);
       return TubePoint{eye + dvec3(c.x, c.y, 0) * 0.235, {-c.y, c.x, 0}, {0, 0, 1}, 0.025, 0.03};

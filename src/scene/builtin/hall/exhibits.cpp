@@ -242,7 +242,7 @@ void addExhibits(HallBuilder& hall) {
   for (int bay = kBays - 1; bay >= 0; --bay) {
     for (int side = 0; side < 2; ++side) {
       const std::string number = std::to_string(2 * (kBays - 1 - bay) + side + 1);
-      const mat4 where = rotatedAt(side ? -kColumnX : kColumnX, 0, bayCentre(bay), static_cast<int>(random.below(4)));
+      const mat4 where = rotatedAt(side ? -kColumnX : kColumnX, 0, bayCenter(bay), static_cast<int>(random.below(4)));
       const uint32_t group = hall.group("exhibit " + number, exhibits, where);
       hall.place("plinth", group, stand, (bay + side) % 2 ? HallMaterial::BlackMarble : HallMaterial::Marble);
       const bool blown = hall.glass && (bay + side) % 2 == 0;

@@ -48,7 +48,7 @@ void addFloor(HallBuilder& hall, uint64_t spareTriangles) {
   const uint32_t floor = hall.group("floor", SceneBuilder::kRoot);
   for (int bay = kBays - 1; bay >= 0; --bay) {
     const std::string number = std::to_string(kBays - bay);
-    const double z = bayCentre(bay);
+    const double z = bayCenter(bay);
     hall.place("nave " + number, floor, meshes[0], HallMaterial::NaveFloor, at(0, 0, z));
     for (int side = 0; side < 2; ++side) {
       const double sign = side ? -1 : 1;

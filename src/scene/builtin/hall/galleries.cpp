@@ -156,7 +156,7 @@ void addGalleries(HallBuilder& hall) {
     const uint32_t gallery = hall.group(side ? "left gallery" : "right gallery", SceneBuilder::kRoot);
     for (int bay = kBays - 1; bay >= 0; --bay)
       placeBay(hall, meshes,
-               hall.group(fmt::format("bay {}", kBays - bay), gallery, rotatedAt(x, 0, bayCentre(bay), 2 * side)));
+               hall.group(fmt::format("bay {}", kBays - bay), gallery, rotatedAt(x, 0, bayCenter(bay), 2 * side)));
     for (int boundary = kBays; boundary >= 0; --boundary)
       hall.place(fmt::format("pier {}", kBays - boundary + 1), gallery, meshes.pier, HallMaterial::Trim,
                  rotatedAt(x, 0, bayBoundary(boundary), 2 * side));

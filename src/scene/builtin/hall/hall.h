@@ -92,7 +92,7 @@ mat4 at(double x, double y, double z);
 mat4 rotatedAt(double x, double y, double z, int quarters);  // about +Y, exact
 
 // Bays are numbered from the apse, and bay boundaries from 0 to kBays.
-inline double bayCentre(int bay) {
+inline double bayCenter(int bay) {
   return (bay + 0.5) * kBay - kHalfLength;
 }
 inline double bayBoundary(int boundary) {

@@ -185,12 +185,12 @@ void addLamps(HallBuilder& hall) {
   const uint32_t aisleChain = hall.mesh(chain(d, "aisle chain", kArchSpring + kAisleRise - 0.15 - aisleLantern));
   const uint32_t galleryChain = hall.mesh(chain(d, "gallery chain", kGalleryTop - galleryLantern));
   for (int bay = kBays - 1, number = 1; bay >= 0; bay -= 2)
-    addChandelier(hall, meshes, number++, longChain, bayCentre(bay));
+    addChandelier(hall, meshes, number++, longChain, bayCenter(bay));
   int number = 0;
   for (int bay = kBays - 1; bay >= 0; --bay) {
     for (const double side : {1.0, -1.0}) {
       ++number;
-      const double z = bayCentre(bay);
+      const double z = bayCenter(bay);
       addLantern(hall, meshes, fmt::format("arch lantern {}", number), archChain, at(side * kColumnX, archLantern, z),
                  {{}, kLantern, 1.3f, 8.5f, kNoInstance});
       addLantern(hall, meshes, fmt::format("aisle lantern {}", number), aisleChain, at(side * kAisleX, aisleLantern, z),

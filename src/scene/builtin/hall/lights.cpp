@@ -84,8 +84,8 @@ const Region kRegions[] = {
        const double r =
            y < kApseSpring ? kApseRadius : std::sqrt(kApseRadius * kApseRadius - (y - kApseSpring) * (y - kApseSpring));
        const dvec3 p(r * cs.x, y, -kHalfLength - r * cs.y);
-       const dvec3 centre(0, std::min(y, kApseSpring), -kHalfLength);
-       return Spot{p, glm::normalize(centre - p)};
+       const dvec3 center(0, std::min(y, kApseSpring), -kHalfLength);
+       return Spot{p, glm::normalize(center - p)};
      }},
 };
 

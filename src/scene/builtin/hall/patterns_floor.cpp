@@ -137,10 +137,10 @@ Piece aislePiece(vec2 p) {
 }
 
 // Each stone samples a different region of the marble and is tilted slightly.
-MapTexel polished(Piece piece, vec2 metres, uint32_t seed) {
+MapTexel polished(Piece piece, vec2 meters, uint32_t seed) {
   const uint32_t id = hashOf(piece.id, seed);
   const auto part = [id](uint32_t k) { return float(unitOf(hashOf(id, k))); };
-  const vec2 from = metres * (0.12f + 0.04f * part(1)) + vec2(part(2), part(3));
+  const vec2 from = meters * (0.12f + 0.04f * part(1)) + vec2(part(2), part(3));
   const float cloud = fractal2(from, 8, 4, seed + piece.stone);
   const float vein = 1 - std::abs(fractal2(from + 0.06f * vec2(cloud, -cloud), 12, 3, seed + 7 + piece.stone));
   const float v8 = vein * vein * vein * vein * vein * vein * vein * vein;
@@ -152,7 +152,7 @@ MapTexel polished(Piece piece, vec2 metres, uint32_t seed) {
       glm::mix(texel.color, light ? vec3(0.55f, 0.52f, 0.48f) : vec3(0.75f, 0.7f, 0.65f), (light ? 0.5f : 0.32f) * v8);
   texel.roughness = 0.19f + 0.1f * part(5) + 0.1f * cloud;
   texel.tilt = vec2(part(6) - 0.5f, part(7) - 0.5f) * 0.014f;
-  texel.height = 0.35f * fractal2(metres / 4.5f, 9, 2, seed + 3);  // worn by feet
+  texel.height = 0.35f * fractal2(meters / 4.5f, 9, 2, seed + 3);  // worn by feet
   constexpr float kJoint = 0.0035f;
   const float joint = std::clamp((kJoint * 1.8f - piece.edge) / kJoint, 0.0f, 1.0f);
   texel.color = glm::mix(texel.color, vec3(0.32f, 0.29f, 0.25f), 0.85f * joint);
@@ -164,13 +164,13 @@ MapTexel polished(Piece piece, vec2 metres, uint32_t seed) {
 }  // namespace
 
 MapTexel naveFloor(vec2 place, uint32_t seed) {
-  const vec2 metres((place.x - 0.5f) * 2 * float(kFloorX), (place.y - 0.5f) * float(kBay));
-  return polished(navePiece(metres), metres, seed);
+  const vec2 meters((place.x - 0.5f) * 2 * float(kFloorX), (place.y - 0.5f) * float(kBay));
+  return polished(navePiece(meters), meters, seed);
 }
 
 MapTexel aisleFloor(vec2 place, uint32_t seed) {
-  const vec2 metres = place * (float(kBay) / 2);
-  return polished(aislePiece(metres), metres, seed + 50);
+  const vec2 meters = place * (float(kBay) / 2);
+  return polished(aislePiece(meters), meters, seed + 50);
 }
 
 }  // namespace latelight::scene::builtin::hall

@@ -201,7 +201,7 @@ void addVault(HallBuilder& hall) {
   const uint32_t vault = hall.group("vault", SceneBuilder::kRoot);
   for (int bay = kBays - 1; bay >= 0; --bay) {
     const uint32_t group = hall.group(fmt::format("bay {}", kBays - bay), vault);
-    const double z = bayCentre(bay);
+    const double z = bayCenter(bay);
     hall.place("bars", group, grid, HallMaterial::Trim, at(0, kVaultSpring, z));
     for (int i = 0; i < kAround; ++i) {
       for (int j = 0; j < kAlong; ++j) {
