@@ -97,6 +97,10 @@ void setMemoryLimit(uint64_t bytes) {
   chosenLimit = bytes;
 }
 
+uint64_t claimedMemory() {
+  return reserved.load();
+}
+
 void detail::takeMemory(uint64_t bytes, std::string_view what) {
   uint64_t before = reserved;
   const uint64_t limit = limitFor(before);

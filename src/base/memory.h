@@ -15,6 +15,9 @@ namespace latelight {
 // memory that the machine, its containers and the process's own limits had free at the first call.
 uint64_t memoryLimit();
 
+// The bytes of all claims, which count against the limit.
+uint64_t claimedMemory();
+
 // The address space that the process's own limit ("ulimit -v") leaves, in bytes; 2^64 - 1 if there is no limit.
 uint64_t addressesLeft();
 

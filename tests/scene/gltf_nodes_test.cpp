@@ -376,8 +376,10 @@ TEST(GltfNodes, ExtrasSayWhatLightsCastShadows) {
 class GltfMemory : public testing::Test {
  protected:
   ~GltfMemory() override { setMemoryLimit(0); }
-  static std::string refusal(const GltfBuilder& b, uint64_t limit) {
-    setMemoryLimit(limit);
+  // Scenes that other tests keep count, too.
+  static void setRemaining(uint64_t bytes) { setMemoryLimit(claimedMemory() + bytes); }
+  static std::string refusal(const GltfBuilder& b, uint64_t remaining) {
+    setRemaining(remaining);
     return errorOf(b, ExitCode::OutOfMemory);
   }
 };
@@ -405,7 +407,7 @@ TEST_F(GltfMemory, BoundsAccessorsNodesAndJson) {
   EXPECT_THAT(refusal(nodes, 8 << 20), testing::HasSubstr("its nodes"));
   EXPECT_THAT(refusal(nodes, 1 << 20), testing::HasSubstr("its JSON"));
   // A rejected allocation releases everything.
-  setMemoryLimit(64 << 20);
+  setRemaining(64 << 20);
   EXPECT_EQ(nodes.load().meshes.size(), 1u);
 }
 
@@ -415,7 +417,7 @@ TEST_F(GltfMemory, BoundsInstances) {
   const int zeros = b.add("accessors", {{"componentType", kFloat}, {"type", "VEC3"}, {"count", count}});
   b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", zeros}};
   EXPECT_THAT(refusal(b, 64 << 20), testing::HasSubstr("no memory for"));
-  setMemoryLimit(uint64_t{2} << 30);
+  setRemaining(uint64_t{2} << 30);
   const Scene scene = b.load();
   EXPECT_EQ(scene.instances.size(), size_t(count));
   // It counts during its lifetime.
