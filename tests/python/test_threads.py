@@ -180,12 +180,14 @@ def test_signal_handlers_cannot_call_the_renderer_that_they_interrupt(square, de
     scene = latelight.Scene("builtin:boxes")
     renderer, camera = latelight.Renderer(scene, device), latelight.Camera.look_at((0, 0, 6), (0, 0, 0))
     ticket = renderer.submit(camera, (16, 16))
-    before = signal.signal(signal.SIGALRM, lambda *_: ticket.take())
+    before = signal.signal(signal.SIGALRM, lambda *_: renderer.render(camera, (8, 8)))
     try:
-        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        # A signal between two calls interrupts none of them, and the handler may render.
+        signal.setitimer(signal.ITIMER_REAL, 0.1, 0.1)
         with pytest.raises(latelight.UsageError, match="the renderer is in use"):
             while True:
                 renderer.labels(camera, (64, 48))
     finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
     assert ticket.take()["rgba"].shape == (16, 16, 4)
