@@ -82,8 +82,11 @@ class Transforms : public Variation {
       for (const uint32_t joint : joints)
         if (const std::vector<uint32_t>* above = ofRig[joint])
           for (const uint32_t node : *above) ++jointsBelow[node];
+      const auto movesAll = [&](const auto& entry) { return entry.second == joints.size(); };
+      const bool moves = !above_[i].empty() || std::ranges::any_of(jointsBelow, movesAll);
       for (const auto& [node, count] : std::views::reverse(jointsBelow)) {  // children first
         if (std::ranges::find(above_[i], node) != above_[i].end()) continue;
+        if (moves && count < joints.size()) continue;  // selected with others, such as by *
         if (count < joints.size())
           badUsage("{}: {} moves only some joints of {}, which cannot bend: select a node above all of its joints",
                    path, scene.nodes[node].path, scene.nodes[instance.node].path);
