@@ -281,17 +281,6 @@ void passInterval() {
   std::this_thread::sleep_for(std::chrono::milliseconds(60));
 }
 
-// Returns the message of an Error(Usage).
-std::string rejectionOf(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::Usage);
-    return error.what();
-  }
-  return "not rejected";
-}
-
 TEST(Waiting, RejectsCallsOfTheRendererFromItsCallback) {
   const Scene scene("builtin:boxes");
   Renderer renderer(scene, latelight::test::testDevice());
@@ -317,7 +306,7 @@ TEST(Waiting, RejectsCallsOfTheRendererFromItsCallback) {
   std::vector<float> depths;
   renderer.whileWaiting([&] {
     if (!rejections.empty()) return;
-    for (const auto& call : calls) rejections.push_back(rejectionOf(call));
+    for (const auto& call : calls) rejections.push_back(refused(call));
     depths = other.render(camera, options).aovs.at("depth").values;
   });
   passInterval();
@@ -336,7 +325,7 @@ TEST(Waiting, RejectsCallsFromCallbacksWithinCallbacks) {
   Renderer second(scene, latelight::test::testDevice());
   const Camera camera = scene.defaultCamera(1);
   std::vector<std::string> rejections;
-  second.whileWaiting([&] { rejections.push_back(rejectionOf([&] { first.render(camera, square({"depth"})); })); });
+  second.whileWaiting([&] { rejections.push_back(refused([&] { first.render(camera, square({"depth"})); })); });
   first.whileWaiting([&] {
     first.whileWaiting({});
     passInterval();
@@ -392,9 +381,9 @@ TEST(Waiting, TicketsCanBeTakenAfterAnException) {
   EXPECT_EQ(copied, depths);
   rays.take();
   EXPECT_EQ(std::vector{distance}, distances);
-  EXPECT_THAT(rejectionOf([&] { pictures.take(); }), HasSubstr("taken already"));
-  EXPECT_THAT(rejectionOf([&] { arrays.takeArrays(); }), HasSubstr("taken already"));
-  EXPECT_THAT(rejectionOf([&] { rays.take(); }), HasSubstr("taken already"));
+  EXPECT_THAT(refused([&] { pictures.take(); }), HasSubstr("taken already"));
+  EXPECT_THAT(refused([&] { arrays.takeArrays(); }), HasSubstr("taken already"));
+  EXPECT_THAT(refused([&] { rays.take(); }), HasSubstr("taken already"));
 }
 
 }  // namespace
