@@ -1,4 +1,6 @@
 // Shadows by rays and light between surfaces, against closed forms.
+#include <fmt/core.h>
+
 #include <cmath>
 #include <functional>
 #include <glm/gtc/matrix_transform.hpp>
@@ -335,6 +337,39 @@ TEST_F(RayLightTest, WhiteSurfacesVanishInAFurnace) {
 }
 
 // A smooth white metal reflects one direction, so each path has the environment's radiance.
+// A flat surface receives no light from itself, whatever its shading normals are: below its plane, all is dark. In a
+// uniform environment, a Lambertian surface with a normal that is tilted by t reflects (1 + cos t) / 2.
+TEST_F(RayLightTest, SurfacesDoNotLightThemselves) {
+  const scene::Environment environment = constantEnvironment();
+  const auto compare = [&](float tilt, const char* layout, Indirect indirect) {
+    SCOPED_TRACE(fmt::format("{} degrees, layout {}, indirect {}", tilt, layout, static_cast<int>(indirect)));
+    const float cosine = std::cos(tilt * kPi / 180), sine = std::sin(tilt * kPi / 180);
+    FloorScene floor(boxMesh(), glm::dmat4(1), sunFrom({0, 0, 1}));
+    scene::Scene& scene = floor.builder.scene;
+    scene.instances.pop_back();
+    scene.materials[0].data.emissive = vec3(0.25f);
+    for (auto& vertex : scene.meshes[0].attributes)
+      vertex.normal = glm::normalize(vec3(0, 4 * sine, cosine));  // the floor is 4 times as long
+    floor.size = 16;
+    Settings settings = floor.settings();
+    settings.layout = &findLayout(layout);
+    settings.raster = Raster::Compute;
+    settings.samples = 64;
+    settings.indirect = indirect;
+    if (indirect == Indirect::None) settings.lighting = &findTechnique("reference");
+    const auto mean = [&](const scene::Environment* lit) {
+      return meanColor(renderOne(device(), scene, floor.camera, settings, lit));
+    };
+    const double direct = 0.25 + cosine;
+    EXPECT_NEAR(mean(nullptr), direct, 0.004);
+    EXPECT_NEAR(mean(&environment), direct + (1 + cosine) / 2, 0.01);
+  };
+  for (const float tilt : {5.0f, 60.0f}) {
+    for (const char* layout : {"compact", "exact", "visibility"}) compare(tilt, layout, Indirect::None);
+    for (const Indirect indirect : {Indirect::OneBounce, Indirect::Path}) compare(tilt, "compact", indirect);
+  }
+}
+
 TEST_F(RayLightTest, MirrorsInAUniformEnvironmentHaveNoNoise) {
   const scene::Environment environment = constantEnvironment();
   scene::SceneBuilder builder("mirror");

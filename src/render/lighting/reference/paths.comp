@@ -220,6 +220,18 @@ void beginRecord(inout Path path, PathVertex v, vec3 plane) {
   path.carried = vec3(1.0);
 }
 
+// Most layouts do not store the normal of the visible triangle, so a ray may leave the visible surface on the side of
+// its shading normal, but toward the back of its triangle. It then hits the triangle's own plane from the front, where
+// nothing shines on the surface. Returns true for all surfaces in that plane, which exchange no light.
+bool isInOwnPlane(Path path, PathHit at, RayHit hit, uint index) {
+#ifdef GBUFFER_NO_TARGETS
+  return false;
+#else
+  float height = hit.distance * abs(dot(path.ray.direction, at.plane));
+  return index == 1u && !path.fromEye && height <= 1.5 * rayOffset(path.ray.origin, path.distance);
+#endif
+}
+
 // Follows the ray of a path to the surface `v` that it hits, the `index`th one, and adds what the ray sees. `beyond` is
 // the absorption on the surface's other side. Returns false if the path ends: `onlySky` ends it at any surface.
 bool follow(inout Path path, FrameConstants frame, RayScene scene, uint index, uint bounce, bool onlySky,
@@ -244,6 +256,7 @@ bool follow(inout Path path, FrameConstants frame, RayScene scene, uint index, u
     path.fromArea *= kept;
     if (onlySky && (kPathFlags & kPathsFindTranslucent) == 0u) break;
     PathHit at = surfaceAt(frame, path.ray, hit);
+    if (isInOwnPlane(path, at, hit, index)) break;
     disperse(path, at);
     v = vertexAt(at, -path.ray.direction, path.fromEye && bounce == 0u);
     beyond = absorptionBeyond(at, path.absorption);
