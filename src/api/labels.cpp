@@ -129,7 +129,7 @@ Renderer::Impl::LabelInput Renderer::Impl::labelInput(const Camera& camera, cons
 Renderer::Impl::WorldLabelInput Renderer::Impl::worldLabelInput(const Worlds& worlds, const Options& options) {
   owner.require("the renderer");
   WorldLabelInput input{
-      .cameras = {}, .settings = settingsFor(*device, options, scene, render::RasterUse::Worlds), .moment = {}};
+      .cameras = {}, .settings = settingsFor(*device, options, scene, rasterUseOf(worlds)), .moment = {}};
   render::checkExposure(input.settings, {.worlds = true});
   rejectExposures(worlds.cameras);
   input.moment = internalState(options, input.settings, scene, 0);

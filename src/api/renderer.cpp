@@ -276,7 +276,7 @@ Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results re
   if (!options.previousCameras.empty() || !options.nextCameras.empty())
     badUsage("worlds have previous and next cameras of their own: leave those of the options empty");
   rejectExposures(worlds.cameras);
-  const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene, render::RasterUse::Worlds);
+  const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene, rasterUseOf(worlds));
   render::SceneState moment = internalState(options, settings, impl_->scene, 0);
   if (worlds.arrays.ready > 0 && impl_->inputTimeline)
     impl_->device->waitFirst(impl_->inputTimeline->get(), worlds.arrays.ready);

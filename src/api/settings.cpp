@@ -87,6 +87,10 @@ render::Settings settingsFor(vk::Device& device, const Options& o, const scene::
   return s;
 }
 
+render::RasterUse rasterUseOf(const Worlds& worlds) {
+  return worlds.joints.empty() && worlds.meshes.empty() ? render::RasterUse::Worlds : render::RasterUse::DeformedWorlds;
+}
+
 std::vector<scene::Camera> internalCameras(const std::vector<Camera>& cameras, const scene::Scene& scene, size_t count,
                                            render::CameraFit fit) {
   if (!cameras.empty() && cameras.size() != count)

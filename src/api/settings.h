@@ -20,6 +20,8 @@ render::Settings internalSettings(const Options& o);
 // Throws Error(Usage) if an animation is chosen without a time.
 void checkPlayback(const render::Settings& s);
 
+render::RasterUse rasterUseOf(const Worlds& worlds);
+
 // Returns checked settings with the raster that renders them.
 render::Settings settingsFor(vk::Device& device, const Options& o, const scene::Scene& scene,
                              render::RasterUse use = render::RasterUse::Image);

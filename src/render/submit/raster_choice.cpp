@@ -14,6 +14,7 @@
 #include "base/stopwatch.h"
 #include "render/lighting/technique.h"
 #include "render/outputs/outputs.h"
+#include "render/rays/worlds/world_bvh.h"
 #include "render/submit/request.h"
 #include "render/visibility/compute/compute.h"
 #include "scene/load/load.h"
@@ -86,7 +87,7 @@ std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings&
 // themselves. The formulas follow the crossings on lavapipe, docs/performance.md#which-raster-on-two-cores.
 uint64_t mostForHardware(const Settings& settings, RasterUse use) {
   const double pixels = double(settings.width) * settings.height;
-  if (use == RasterUse::Worlds) return textureSlots(settings) == 0 ? 0 : uint64_t(0.7 * pixels);
+  if (use != RasterUse::Image) return textureSlots(settings) == 0 ? 0 : uint64_t(0.7 * pixels);
   if (textureSlots(settings) == 0) return 200'000;
   return uint64_t(settings.aa.samples > 1 ? 2e5 + 0.45 * pixels : 8e5 + 0.8 * pixels);
 }
@@ -96,6 +97,22 @@ RasterChoice chooseWithoutIndexing(const Settings& settings, const scene::Scene&
   return {scene.triangleCount() > most ? Raster::Compute : Raster::Hardware,
           fmt::format("without descriptor indexing, compute is faster above {} triangles at {}x{}", most,
                       settings.width, settings.height)};
+}
+
+// On processors, rasterization takes longer for each triangle of a view, and rays only for each sample. Above this
+// number of triangles per sample, rays are faster for objects, by up to 26 times, and at worst somewhat slower in rooms
+// whose walls hide most triangles. docs/performance.md#which-raster-on-two-cores has the measurements.
+constexpr double kTrianglesPerRay = 30;
+// Rays build a hierarchy over the instances of each world in each call, which takes as long as they save if instances
+// have few triangles.
+constexpr uint64_t kMinTrianglesPerInstance = 100;
+
+// Returns true if rays are the faster raster for these worlds, and supported.
+bool choosesRays(const vk::Device& device, const Settings& settings, const scene::Scene& scene, RasterUse use) {
+  const double samples = double(settings.width) * settings.height * settings.aa.samples;
+  return use == RasterUse::Worlds && device.isCpu() && supportsRaysInWorlds(device, scene.instances.size()) &&
+         !requestsOutput(settings, Origin::Raster) && scene.triangleCount() > kTrianglesPerRay * samples &&
+         scene.triangleCount() > kMinTrianglesPerInstance * scene.instances.size();
 }
 
 }  // namespace
@@ -127,6 +144,9 @@ std::vector<double> depthTimes(Renderer& renderer, const scene::Scene& scene, Ra
 RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene, RasterUse use) {
   if (settings.raster != Raster::Auto) return {settings.raster, "it was asked for"};
   if (const auto only = onlyChoice(device, settings)) return *only;
+  if (choosesRays(device, settings, scene, use))
+    return {Raster::Rays, fmt::format("rays are faster on a processor if there are more than {} triangles per sample",
+                                      kTrianglesPerRay)};
   if (device.maxTextureArray() == 0) return chooseWithoutIndexing(settings, scene, use);
   const Times times = knownTimes(device);
   return {times.compute < times.hardware ? Raster::Compute : Raster::Hardware,

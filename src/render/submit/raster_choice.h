@@ -9,20 +9,21 @@
 namespace latelight::render {
 
 enum class RasterUse {
-  Image,   // a process may render only one, so the time to create pipelines counts
-  Worlds,  // of calls that repeat, so only the time of a call counts
+  Image,           // a process may render only one, so the time to create pipelines counts
+  Worlds,          // of calls that repeat, so only the time of a call counts
+  DeformedWorlds,  // the same, with other vertices in each call, so that rays have no hierarchies to keep
 };
 
 struct RasterChoice {
-  Raster raster;    // Hardware or Compute
+  Raster raster;    // not Auto
   std::string why;  // a sentence without its period
 };
 
-// Returns the raster that `settings.raster` stands for on this device: itself, or the choice of `auto`. If both rasters
-// are possible, `auto` chooses the one that finds the depth of 300,000 small triangles sooner. This is measured the
-// first time on a device and driver, then kept in the cache folder. Where descriptor indexing is not enabled, the
-// choice depends on the scene's triangle count and on `use` instead. Throws Error(NoDevice) if the device supports
-// neither raster.
+// Returns the raster that `settings.raster` stands for on this device: itself, or the choice of `auto`. If both
+// hardware and compute are possible, `auto` chooses the one that finds the depth of 300,000 small triangles sooner.
+// This is measured the first time on a device and driver, then kept in the cache folder. Where descriptor indexing is
+// not enabled, the choice depends on the scene's triangle count and on `use` instead. Worlds of far more triangles than
+// pixels are rendered with rays on CPU devices. Throws Error(NoDevice) if the device supports neither raster.
 RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene,
                           RasterUse use = RasterUse::Image);
 

@@ -32,6 +32,10 @@ void checkSupport(const vk::Device& device, uint32_t instances) {
 
 }  // namespace
 
+bool supportsRaysInWorlds(const vk::Device& device, uint64_t instances) {
+  return device.features().core.features.shaderFloat64 && !(device.isCpu() && instances > kMaxInstancesOnCpu);
+}
+
 WorldBvh::WorldBvh(vk::Device& device)
     : device_(device),
       meshes_(device, "hierarchies of meshes"),

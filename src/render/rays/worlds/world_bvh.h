@@ -19,6 +19,9 @@
 
 namespace latelight::render {
 
+// Returns true if WorldBvh::update() accepts scenes of so many instances on the device.
+bool supportsRaysInWorlds(const vk::Device& device, uint64_t instances);
+
 class WorldBvh {
  public:
   explicit WorldBvh(vk::Device& device);
