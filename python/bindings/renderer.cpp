@@ -688,9 +688,11 @@ nb::object correspond(const std::shared_ptr<SharedRenderer>& renderer, nb::handl
   }));
 }
 
-nb::dict scanLidar(const std::shared_ptr<SharedRenderer>& renderer, nb::handle pattern, nb::handle poses,
-                   nb::handle samples, nb::handle returns, nb::handle seed, nb::handle slices,
-                   const nb::kwargs& keywords) {
+nb::dict scanLidar(nb::handle of, nb::handle pattern, nb::handle poses, nb::handle samples, nb::handle returns,
+                   nb::handle seed, nb::handle slices, const nb::kwargs& keywords) {
+  std::shared_ptr<SharedRenderer> renderer;
+  // An argument of the pointer's type would be null for None.
+  if (!nb::try_cast(of, renderer, false) || !renderer) badType("renderer must be a Renderer, not {}", typeName(of));
   const LidarPattern firings = patternOf(pattern);
   const std::vector<double> values = doublesOf(poses, "poses", {-1, 4, 4});
   std::vector<Transform> matrices(values.size() / 16);

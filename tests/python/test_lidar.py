@@ -349,6 +349,12 @@ def test_open3d_reads_the_files(scanned, tmp_path):
             assert np.array_equal(tensors[field].numpy().ravel(), getattr(scanned, field)), (name, field)
 
 
+@pytest.mark.parametrize("value, kind", [(None, "NoneType"), ("cpu", "str")])
+def test_scans_need_a_renderer(value, kind):
+    with pytest.raises(latelight.ArgumentTypeError, match=f"^renderer must be a Renderer, not {kind}$"):
+        lidar.scan(value, firings([X]), POSE)
+
+
 @pytest.mark.parametrize("value, kind", [(None, "NoneType"), ("1", "str")])
 def test_arguments_that_are_no_numbers(renderer, value, kind):
     pattern = firings([X])
