@@ -811,7 +811,9 @@ struct LidarOptions {
   uint32_t samples = 1;               // rays per beam, up to 1024; 1: beams have no width
   std::string returns = "strongest";  // strongest, first, last, dual (the strongest and the last) or all
   std::optional<uint64_t> seed = 0;   // of the noise of ranges and signals; null: no noise
-  uint32_t slices = 1;                // number of times at which an animated scene is posed during the scan
+  // Number of equal parts of the period. Each shows an animated scene at the time of its middle, and so do parts of the
+  // same length before and after it. 1: all firings show the scene at Options::time.
+  uint32_t slices = 1;
 };
 
 // One value per point, in the order of the firings, and from the nearest within a firing.
@@ -1046,7 +1048,7 @@ class LATELIGHT_API Renderer {
                         const Options& options = {});
 
   // Scans the scene once. `poses` are worldFromSensor, rigid and in the frame of Options::axes: one, or one per firing.
-  // Options::time and animation select the scene's pose when the scan begins.
+  // Options::time and animation select the scene's pose when the scan begins; without a time, the scene is at rest.
   LidarPoints scan(const LidarPattern& pattern, std::span<const Transform> poses, const LidarOptions& lidar = {},
                    const Options& options = {});
 

@@ -227,8 +227,11 @@ def scan(
     returns: "strongest", "first" or "last" echo of each firing, "dual" (the strongest and the last) or "all"
     seed: of the noise of ranges and signals; None: no noise, and echoes are detected if their signal reaches the
     threshold
-    slices: number of times at which an animated scene is posed during the scan; `time` is the pose at its beginning
-    options: those of Renderer.cast(), such as time, data_surfaces and axes
+    slices: number of equal parts of the pattern's period, each of which shows an animated scene at the time of its
+    middle, where `time` is that of the scan's beginning. Firings outside the period are in further parts of the same
+    length. 1: all firings show the scene at `time`. Without `time`, the scene is at rest
+    options: those of Renderer.cast(), such as time, data_surfaces and axes. World positions are relative to
+    position_origin; poses are not
 
     Returns the echoes that the receiver detects: those whose signal, which falls with the square of the range and the
     cosine of incidence, exceeds the threshold of a noisy receiver.

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "api/renderer.h"
+#include "api/settings.h"
 #include "api/transform.h"
 #include "base/error.h"
 #include "base/files.h"
@@ -92,10 +93,11 @@ LidarPattern lidarPattern(const SpinningLidar& s) {
 LidarPoints Renderer::scan(const LidarPattern& pattern, std::span<const Transform> poses, const LidarOptions& lidar,
                            const Options& options) {
   const Impl::RayInput input = filled().rayInput(options);
+  checkPlayback(input.settings);
   const auto stateAt = [&](double seconds) {
-    if (lidar.slices == 1) return input.moment;
+    if (lidar.slices == 1 || !options.time) return input.moment;
     Options later = options;
-    later.time = options.time.value_or(0) + seconds;
+    later.time = *options.time + seconds;
     return filled().rayInput(later).moment;
   };
   lidar::Points points =

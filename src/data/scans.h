@@ -15,6 +15,7 @@ struct ScanRequest {
   std::string key;           // the options that it depends on
   uint64_t noiseStream = 0;  // sensors with different streams have independent noise
   lidar::Sensor sensor;
+  double seconds = 0;              // until the last firing of a scan, and at least its period
   lidar::ScanOptions options{};    // without the seed, which each frame has of its own
   glm::dmat4 cameraFromSensor{1};  // OpenCV's camera frame from the sensor's
 };

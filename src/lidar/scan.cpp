@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "base/error.h"
@@ -129,13 +130,12 @@ class Scanner {
   Hits hits_;
 };
 
-// Returns the firings of each slice of the scan's time.
-std::vector<std::vector<uint32_t>> firingsOfSlices(const Pattern& pattern, uint32_t slices) {
-  std::vector<std::vector<uint32_t>> firings(slices);
-  for (uint32_t i = 0; i < pattern.times.size(); ++i) {
-    const double slice = std::floor(pattern.times[i] / pattern.period * slices);
-    firings[static_cast<size_t>(std::clamp(slice, 0.0, slices - 1.0))].push_back(i);
-  }
+// Returns the firings by slice. The period has `slices` of them from 0 on, and firings outside it are in slices below 0
+// and above. Indices are whole numbers, which only doubles can hold for all times.
+std::map<double, std::vector<uint32_t>> firingsOfSlices(const Pattern& pattern, uint32_t slices) {
+  std::map<double, std::vector<uint32_t>> firings;
+  for (uint32_t i = 0; i < pattern.times.size(); ++i)
+    firings[std::floor(pattern.times[i] / pattern.period * slices)].push_back(i);
   return firings;
 }
 
@@ -183,11 +183,8 @@ Points scan(render::Renderer& renderer, const Pattern& pattern, std::span<const 
     badUsage("a scan of {} firings needs one pose, or one per firing, not {}", pattern.times.size(), poses.size());
   Scanner scanner(renderer, pattern, poses, settings, options);
   Points points;
-  const std::vector<std::vector<uint32_t>> slices = firingsOfSlices(pattern, options.slices);
-  for (size_t i = 0; i < slices.size(); ++i) {
-    const double middle = options.slices == 1 ? 0 : (double(i) + 0.5) * pattern.period / options.slices;
-    if (!slices[i].empty()) scanner.scan(slices[i], stateAt(middle), points);
-  }
+  for (const auto& [slice, firings] : firingsOfSlices(pattern, options.slices))
+    scanner.scan(firings, stateAt((slice + 0.5) * pattern.period / options.slices), points);
   orderByFiring(points);
   return points;
 }

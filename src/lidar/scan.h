@@ -19,7 +19,9 @@ struct ScanOptions {
   uint32_t samples = 1;  // rays per beam; 1: beams have no width
   Returns returns = Returns::Strongest;
   std::optional<uint64_t> seed = 0;  // of the noise; null: none
-  uint32_t slices = 1;               // number of times at which the scene is posed during a scan
+  // Number of parts of the period, each of which shows the scene at the time of its middle. Firings before and after
+  // the period belong to further parts of the same length.
+  uint32_t slices = 1;
 };
 
 // One value per point, in the order of the firings, and from the nearest within a firing.
@@ -44,7 +46,7 @@ std::vector<output::PointField> fieldsOf(const Points& points, bool world, std::
 using StateAt = std::function<render::SceneState(double seconds)>;
 
 // Scans the scene once. `poses` are worldFromSensor, rigid and in the frame of Settings::axes: one, or one per firing.
-// The scene is posed at the middle of each slice of the scan's time. Memory is bounded, whatever the number of rays.
+// Calls `stateAt` with the middle of each slice that has firings. Memory is bounded, whatever the number of rays.
 // Throws Error(Usage) if an argument is not valid.
 Points scan(render::Renderer& renderer, const Pattern& pattern, std::span<const glm::dmat4> poses,
             const StateAt& stateAt, const render::Settings& settings, const ScanOptions& options);

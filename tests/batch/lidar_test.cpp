@@ -161,9 +161,38 @@ TEST(Lidar, SeesTheSceneMoveInSlices) {
     const Outcome outcome = scan(folder, standing(30), format, {"-o", set, "--time", "2"});
     ASSERT_EQ(outcome.code, 0) << outcome.text();
     for (const Point& p : pointsIn(folder.read(set + "/lidar/000000.ply"))) {
-      const double middle = slices == 1 ? 0 : (std::floor(p.time / 0.1 * slices) + 0.5) * 0.1 / slices;
+      const double middle = (std::floor(p.time / 0.1 * slices) + 0.5) * 0.1 / slices;
       EXPECT_NEAR(p.x, 30 - 5 * (2 + middle), 3e-5) << slices << " " << p.time;
     }
+  }
+}
+
+// The second laser fires 0.12 s after the first one, which is up to 0.12 s after the period of 0.1 s.
+TEST(Lidar, FiringsAfterThePeriodHaveTheirOwnTimes) {
+  Folder folder;
+  json late = kExact;
+  late["firing"] = {0, 0.12};
+  writeWall(folder, 5);
+  ASSERT_EQ(scan(folder, standing(30), {{"sensor", late}, {"slices", 4}}, {"--time", "2"}).code, 0);
+  double last = 0;
+  for (const Point& p : pointsIn(folder.read("set/lidar/000000.ply"))) {
+    EXPECT_NEAR(p.x, 30 - 5 * (2 + (std::floor(p.time / 0.025) + 0.5) * 0.025), 3e-5) << p.time;
+    last = std::max(last, p.time);
+  }
+  EXPECT_GT(last, 0.15);
+  // The path turns back after the first period.
+  writeWall(folder);
+  const json path{{"type", "path"},
+                  {"fps", 10},
+                  {"keys",
+                   {{{"time", 0}, {"pose", poseAtZ(30)}},
+                    {{"time", 0.1}, {"pose", poseAtZ(29)}},
+                    {{"time", 0.2}, {"pose", poseAtZ(38)}},
+                    {{"time", 0.3}, {"pose", poseAtZ(38)}}}}};
+  ASSERT_EQ(scan(folder, path, {{"sensor", late}}, {"-o", "moving"}).code, 0);
+  for (const Point& p : pointsIn(folder.read("moving/lidar/000000.ply"))) {
+    const double z = p.time < 0.1 ? 30 - 10 * p.time : p.time < 0.2 ? 29 + 90 * (p.time - 0.1) : 38;
+    EXPECT_NEAR(p.x, z, 4e-4) << p.time;
   }
 }
 

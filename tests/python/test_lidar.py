@@ -247,6 +247,32 @@ def test_an_animated_scene_moves_during_the_scan(model, device):
     assert np.array_equal(moving.range[late], still.range[still.time > pattern.period / 2])
 
 
+def moving_wall(scene):
+    """A wall in the plane x = 12 at rest. From time 0 on it is at x = 20 + 5 per second."""
+    corners = np.array([[12, -500, -500], [12, 500, -500], [12, 500, 500], [12, -500, 500]], np.float32)
+    mesh = scene.add_mesh(corners, indices=[[0, 1, 2], [0, 2, 3]])
+    node = scene.add_node("wall", parts=[(mesh, scene.add_material(latelight.Material(double_sided=True)))])
+    scene.add_animation(
+        "move",
+        [latelight.AnimationChannel(node=node, property="translation", times=[0, 10], values=[[8, 0, 0], [58, 0, 0]])],
+    )
+
+
+def test_slices_show_the_scene_at_the_times_of_their_middles(device):
+    renderer = rendererOf(moving_wall, device)
+    pattern = firings(np.tile(X, (7, 1)))
+    pattern = dataclasses.replace(pattern, times=np.array([0.0, 0.04, 0.06, 0.09, 0.14, 1.23, -0.01]))
+
+    def ranges(**options):
+        return lidar.scan(renderer, pattern, POSE, seed=None, **options).range
+
+    halves = np.array([0.025, 0.025, 0.075, 0.075, 0.125, 1.225, -0.025])  # also before and after the period of 0.1 s
+    np.testing.assert_allclose(ranges(slices=2, time=2), 20 + 5 * (2 + halves), rtol=1e-6)
+    np.testing.assert_allclose(ranges(slices=1, time=2), 30, rtol=1e-6)  # the whole scan shows one time
+    for slices in (1, 2):  # at rest, and not at the beginning of the animation
+        np.testing.assert_allclose(ranges(slices=slices), 12, rtol=1e-6)
+
+
 # --- patterns -------------------------------------------------------------------------------------------------------
 
 
@@ -398,6 +424,7 @@ def test_wrong_arguments(renderer, tmp_path, scanned):
     refused("No such file", lambda: scanned.write(tmp_path / "none" / "a.ply"))
     refused('"sensor" or "world"', lambda: scanned.write(tmp_path / "a.ply", frame="map"))
     refused("no option", lambda: lidar.scan(renderer, pattern, POSE, sample=3))
+    refused("animation and loop require time", lambda: lidar.scan(renderer, pattern, POSE, loop=True))
     refused("max_distance must be above 0 meters, not nan", lambda: lidar.scan(
         renderer, pattern, POSE, max_distance=math.nan))  # fmt: skip
     refused("max_distance must be above 0 meters, not -1", lambda: lidar.scan(renderer, pattern, POSE, max_distance=-1))

@@ -85,7 +85,7 @@ uint64_t hashOf(const CameraTimeline& cameras, size_t i, bool moves, const Extra
     for (const auto& neighbor : {cameras.previous(i), cameras.next(i)}) all.push_back(describe(cameras, neighbor));
   for (const PairTarget& target : extras.pairs) all.push_back(describe(cameras, cameras.target(i, target)));
   for (const auto& scan : extras.scans) {
-    const CameraPath path(cameras, i, 1 / scan->sensor.rate);
+    const CameraPath path(cameras, i, scan->seconds);
     for (const CameraPath::Leg& leg : path.legs())
       all.push_back({describe(leg.from), describe(leg.to), describe(leg.begin), describe(leg.seconds)});
   }

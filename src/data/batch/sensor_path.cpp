@@ -47,7 +47,7 @@ FrameScan scanFrom(render::Renderer& renderer, const scene::Scene& scene, const 
                    const render::Settings& settings, const std::shared_ptr<const ScanRequest>& request, uint64_t seed) {
   const double period = 1 / request->sensor.rate;
   const lidar::Pattern pattern = lidar::patternOf(request->sensor, secondsOfScan(cameras, camera, period));
-  const CameraPath path(cameras, camera, period);
+  const CameraPath path(cameras, camera, request->seconds);
   const auto poseAt = [&](double seconds) {
     return render::openCvPose(path.at(seconds), scene, settings.axes == render::Axes::ZUp) * request->cameraFromSensor;
   };

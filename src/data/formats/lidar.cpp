@@ -1,4 +1,5 @@
 // The format "lidar": the point clouds of a lidar sensor on each camera, as PLY, PCD, KITTI's .bin or NPZ.
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -88,6 +89,8 @@ class Lidar : public Format {
     const Json* sensor = options.find("sensor");
     if (!sensor) badUsage("the format lidar needs a \"sensor\": the name of one, or an object with its \"type\"");
     request->sensor = readSensor(*sensor);
+    const lidar::Pattern pattern = lidar::patternOf(request->sensor);
+    request->seconds = std::max(pattern.period, std::ranges::max(pattern.times));
     request->options.samples = readCount(options, "samples", 1, lidar::kMaxRaysOfBeam);
     request->options.slices = readCount(options, "slices", kSlices, lidar::kMaxSlices);
     request->options.returns = lidar::returnsNamed(options.text("returns", "strongest"));
