@@ -818,10 +818,11 @@ struct LidarOptions {
 
 // One value per point, in the order of the firings, and from the nearest within a firing.
 struct LidarPoints {
-  std::vector<std::array<float, 3>> position;        // meters, in the sensor's frame at the time of the firing
-  std::vector<std::array<double, 3>> worldPosition;  // meters, in the frame of Options::axes
-  std::vector<double> time;                          // seconds since the scan began
-  std::vector<float> range;                          // meters
+  std::vector<std::array<float, 3>> position;  // meters, in the sensor's frame at the time of the firing
+  // Meters, in the frame of Options::axes and relative to Options::positionOrigin.
+  std::vector<std::array<double, 3>> worldPosition;
+  std::vector<double> time;      // seconds since the scan began
+  std::vector<float> range;      // meters
   std::vector<float> intensity;  // from 0 to 1: the share of the beam that a surface returns, corrected for the range
   std::vector<uint16_t> ring;    // index of the laser, from the lowest elevation up
   std::vector<uint8_t> echo;     // 0: the nearest echo of the firing that was detected

@@ -173,7 +173,7 @@ class Scan:
     """The points of one scan, in the order of the firings, and of the range within a firing."""
 
     position: Array  # (P, 3) float32, meters: in the sensor's frame at the time of the firing, as sensors report them
-    world_position: Array  # (P, 3) float64, meters: in the scene, in the frame of the option axes
+    world_position: Array  # (P, 3) float64, meters: in the scene, in the frame of axes and relative to position_origin
     time: Array  # (P,) float64, seconds since the scan began
     range: Array  # (P,) float32, meters
     intensity: Array  # (P,) float32 in 0..1: the part of the beam that a surface returns, corrected for the range

@@ -43,9 +43,7 @@ class Scanner {
         poses_(poses),
         settings_(settings),
         options_(options),
-        offsets_(beamOffsets(pattern.properties, options.samples)) {
-    settings_.normalFrame = render::NormalFrame::World;
-  }
+        offsets_(beamOffsets(pattern.properties, options.samples)) {}
 
   // Scans with firings during which the scene does not change.
   void scan(std::span<const uint32_t> firings, const render::SceneState& state, Points& points) {
@@ -108,7 +106,8 @@ class Scanner {
   void add(const Return& each, Points& points) const {
     const dvec3 position = pattern_.directions[each.firing] * each.echo.range;
     points.position.emplace_back(position);
-    points.worldPosition.emplace_back(poseOf(each.firing) * glm::dvec4(position, 1));
+    points.worldPosition.push_back(dvec3(poseOf(each.firing) * glm::dvec4(position, 1)) -
+                                   settings_.positionOrigin.point);
     points.time.push_back(pattern_.times[each.firing]);
     points.range.push_back(static_cast<float>(each.echo.range));
     points.intensity.push_back(static_cast<float>(each.echo.intensity));
@@ -123,7 +122,7 @@ class Scanner {
   render::Renderer& renderer_;
   const Pattern& pattern_;
   std::span<const dmat4> poses_;
-  render::Settings settings_;
+  const render::Settings& settings_;
   const ScanOptions& options_;
   std::vector<glm::dvec2> offsets_;
   std::vector<dvec3> origins_, directions_;

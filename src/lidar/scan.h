@@ -26,9 +26,10 @@ struct ScanOptions {
 
 // One value per point, in the order of the firings, and from the nearest within a firing.
 struct Points {
-  std::vector<glm::vec3> position;        // meters, in the sensor's frame at the time of the firing
-  std::vector<glm::dvec3> worldPosition;  // meters, in the frame of Settings::axes
-  std::vector<double> time;               // seconds since the scan began
+  std::vector<glm::vec3> position;  // meters, in the sensor's frame at the time of the firing
+  // Meters, in the frame of Settings::axes and relative to Settings::positionOrigin.
+  std::vector<glm::dvec3> worldPosition;
+  std::vector<double> time;  // seconds since the scan began
   std::vector<float> range, intensity;
   std::vector<uint16_t> ring;
   std::vector<uint8_t> echo;     // 0: the nearest echo of the firing that was detected

@@ -208,6 +208,28 @@ TEST(Lidar, IsMountedOnItsCamera) {
   for (const Point& p : pointsIn(folder.read("turned/lidar/000000.ply"))) EXPECT_NEAR(p.y, -12, 12e-6);
 }
 
+TEST(Lidar, PositionsInTheWorldAreRelativeToTheOrigin) {
+  Folder folder;
+  writeWall(folder);
+  const std::vector<std::string> origin{"--position-origin", "1,2,-3", "--normal-frame", "opencv"};
+  const auto pointsOf = [&](const char* frame) {
+    std::vector<std::string> options = origin;
+    options.insert(options.end(), {"-o", frame});
+    const Outcome outcome = scan(folder, standing(12), {{"sensor", kExact}, {"frame", frame}}, options);
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+    return pointsIn(folder.read(std::string(frame) + "/lidar/000000.ply"));
+  };
+  const std::vector<Point> sensor = pointsOf("sensor"), world = pointsOf("world");
+  ASSERT_EQ(sensor.size(), world.size());
+  ASSERT_GT(world.size(), 300u);
+  for (size_t i = 0; i < world.size(); ++i) {
+    EXPECT_NEAR(sensor[i].x, 12, 12e-6);
+    EXPECT_NEAR(world[i].x, -sensor[i].y - 1, 1e-6 * world[i].range);  // the sensor's Y axis points to the left
+    EXPECT_NEAR(world[i].y, sensor[i].z - 2, 1e-6 * world[i].range);
+    EXPECT_NEAR(world[i].z, 3, 12e-6);
+  }
+}
+
 TEST(Lidar, ShardsAndResumedSetsAreTheSame) {
   Folder folder;
   writeWall(folder, 1);

@@ -128,6 +128,15 @@ def test_a_turning_sensor(device):
     np.testing.assert_allclose(turned, rate * scan.time % (2 * np.pi), atol=1e-4)
 
 
+def test_positions_in_the_world_are_relative_to_the_origin(device):
+    renderer = rendererOf(lambda scene: wall(scene, 12.0), device)
+    pattern = firings([X, [0.8, 0.6, 0], [0.8, 0, 0.6]])
+    scan = lidar.scan(renderer, pattern, POSE, seed=None, position_origin="10,20,-30")
+    np.testing.assert_allclose(scan.position, [[12, 0, 0], [12, 9, 0], [12, 0, 9]], atol=1e-5)
+    # The sensor's Y axis points to the left, which is the scene's -Z, and its Z axis up.
+    np.testing.assert_allclose(scan.world_position, [[2, -20, 30], [2, -20, 21], [2, -11, 30]], atol=1e-5)
+
+
 def test_a_trajectory_interpolates():
     quarter = lidar.sensor_pose((2, 0, 4), forward=(0, 0, -1))  # 90 degrees to the left of POSE
     path = lidar.Trajectory([1.0, 3.0], [POSE, quarter])
@@ -423,6 +432,7 @@ def test_wrong_arguments(renderer, tmp_path, scanned):
     refused("no extension: points are written as .ply, .pcd, .bin, .npz$", lambda: scanned.write(tmp_path / "a"))
     refused("No such file", lambda: scanned.write(tmp_path / "none" / "a.ply"))
     refused('"sensor" or "world"', lambda: scanned.write(tmp_path / "a.ply", frame="map"))
+    refused("normals require normal_frame world", lambda: lidar.scan(renderer, pattern, POSE, normal_frame="opencv"))
     refused("no option", lambda: lidar.scan(renderer, pattern, POSE, sample=3))
     refused("animation and loop require time", lambda: lidar.scan(renderer, pattern, POSE, loop=True))
     refused("max_distance must be above 0 meters, not nan", lambda: lidar.scan(

@@ -65,7 +65,9 @@ FrameScan scanFrom(render::Renderer& renderer, const scene::Scene& scene, const 
   const uint64_t ofSensor[] = {seed, request->noiseStream};
   options.seed = hash64(ofSensor, sizeof(ofSensor));
   if (scene.rig.empty() || !scan.start) options.slices = 1;
-  scan.points = lidar::scan(renderer, pattern, poses, stateAt, settings, options);
+  render::Settings ofRays = settings;
+  ofRays.normalFrame = render::NormalFrame::World;  // scans have no normals, and rays accept no other frame
+  scan.points = lidar::scan(renderer, pattern, poses, stateAt, ofRays, options);
   return scan;
 }
 
