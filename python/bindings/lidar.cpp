@@ -18,7 +18,7 @@ std::vector<std::array<double, N>> doubleRowsOf(nb::handle value, std::string_vi
 
 template <typename T>
 std::vector<T> integersOf(nb::handle value, std::string_view name, const char* dtype) {
-  const nb::object array = arrayOf(value, name, Elements::Integers, {-1}, dtype);
+  const nb::object array = integerArrayOf(value, name, dtype);
   const auto view = viewOf<T>(array);
   return {view.data(), view.data() + view.size()};
 }
@@ -160,6 +160,14 @@ void bindLidar(nb::module_& module) {
       argument("value"), nb::arg("name"), nb::arg("least"), nb::arg("most"),
       nb::sig("def whole_number_of(value: typing.Any, name: str, least: int, most: int) -> int"),
       "A whole number in this range; other values raise UsageError, whose message contains the name.");
+  module.def(
+      "numbers_of", [](nb::handle value, const char* name) { return numberArrayOf(value, name); }, argument("value"),
+      nb::arg("name"), nb::sig("def numbers_of(value: typing.Any, name: str) -> numpy.typing.NDArray[typing.Any]"),
+      "An array of numbers as float64; other values raise ArgumentTypeError, whose message contains the name.");
+  module.def(
+      "rings_of", [](nb::handle value) { return integerArrayOf(value, "rings", "uint16"); }, argument("value"),
+      nb::sig("def rings_of(value: typing.Any) -> numpy.typing.NDArray[typing.Any]"),
+      "The rings of a latelight.lidar.Pattern; other values raise UsageError.");
   module.def("write_points", &writeFields, argument("path"), nb::arg("fields"),
              nb::sig("def write_points(path: str | os.PathLike[str], fields: dict[str, typing.Any]) -> None"),
              "Writes the fields of a latelight.lidar.Scan.");

@@ -263,6 +263,7 @@ nb::object anyArrayOf(nb::handle value, std::string_view name, const std::vector
     return numpy(hasOnlyDlpack(value) ? "from_dlpack" : "asarray")(value);
   } catch (const nb::python_error& error) {
     if (!isRefusal(error)) throw;
+    if (shape.empty()) badType("{} must be an array of numbers, not {}", name, typeName(value));
     badType("{} must be an array of shape {}, not {}", name, shapeText(shape), typeName(value));
   }
 }
@@ -278,6 +279,25 @@ nb::object arrayOf(nb::handle value, std::string_view name, Elements elements, c
   if (!isEmpty && !has(array, elements))
     badType("{} must be an array of {}, not {}", name, infoOf(elements).name, dtypeName(array));
   return dtype ? numpy("ascontiguousarray")(array, dtype) : numpy("ascontiguousarray")(array);
+}
+
+nb::object numberArrayOf(nb::handle value, std::string_view name) {
+  const RunningPython section;
+  const nb::object array = anyArrayOf(value, name, {});
+  if (!has(array, Elements::Numbers))
+    badType("{} must be an array of numbers, not {}", name,
+            nb::cast<int>(array.attr("ndim")) == 0 ? typeName(value) : dtypeName(array));
+  return array.attr("astype")("float64", nb::arg("copy") = false);
+}
+
+nb::object integerArrayOf(nb::handle value, std::string_view name, const char* dtype) {
+  const RunningPython section;
+  const nb::object array = arrayOf(value, name, Elements::Integers, {-1}), range = numpy("iinfo")(dtype);
+  const auto least = nb::cast<int64_t>(range.attr("min")), most = nb::cast<int64_t>(range.attr("max"));
+  if (lengthOf(array, 0) > 0)
+    for (const char* bound : {"min", "max"})
+      integerOf(array.attr(bound)(), fmt::format("each value of {}", name), least, most);
+  return array.attr("astype")(dtype, nb::arg("copy") = false);
 }
 
 size_t lengthOf(const nb::object& array, size_t axis) {

@@ -84,14 +84,18 @@ enum OpenLength : int64_t {
 // Returns a shape for messages, as "(H, W, 3)".
 std::string shapeText(const std::vector<int64_t>& shape);
 
-// Converts anything that NumPy accepts, also by DLPack, to an array of any type. `shape` is only for messages. Masked
-// values are rejected, because NumPy would drop the mask.
+// Converts anything that NumPy accepts, also by DLPack, to an array of any type. `shape` is only for messages; empty:
+// any shape. Masked values are rejected, because NumPy would drop the mask.
 nb::object anyArrayOf(nb::handle value, std::string_view name, const std::vector<int64_t>& shape);
 // Converts anything that NumPy accepts, also by DLPack, to a contiguous array in this machine's byte order. `shape`
 // holds lengths, also open ones. `dtype` is the type to convert to; null keeps the array's own. Masked values are
 // rejected, because NumPy would drop the mask.
 nb::object arrayOf(nb::handle value, std::string_view name, Elements elements, const std::vector<int64_t>& shape,
                    const char* dtype = nullptr);
+// Converts anything that NumPy accepts to a float64 array with any number of axes. Its numbers may be infinite or NaN.
+nb::object numberArrayOf(nb::handle value, std::string_view name);
+// Converts a list of integers to an integer type of NumPy. Rejects integers out of its range, which NumPy would wrap.
+nb::object integerArrayOf(nb::handle value, std::string_view name, const char* dtype);
 size_t lengthOf(const nb::object& array, size_t axis);
 
 template <typename T>

@@ -20,22 +20,12 @@ import numpy.typing as npt
 
 from . import _core
 from ._core import Camera, Renderer
-from ._options import reject_options
+from ._options import numbers, reject_options, require
 from .errors import UsageError
 
 __all__ = ["DepthFrame", "DepthSensor", "capture", "kinect", "measure", "realsense_d435"]
 
 Array = npt.NDArray[Any]
-
-
-def _numbers(values: Any, name: str, count: int) -> list[float]:
-    try:
-        numbers = list(values)
-    except TypeError:
-        numbers = []
-    if isinstance(values, str) or len(numbers) != count:
-        raise UsageError(f"{name} must be {count} numbers, not {values!r}")
-    return [_core.number_of(number, name) for number in numbers]
 
 
 def _checked_seed(seed: int | None) -> int | None:
@@ -65,7 +55,7 @@ class DepthSensor:
     max_incidence: float = 90.0  # degrees; steeper surfaces have no value
 
     def __post_init__(self) -> None:
-        noise = [*_numbers(self.axial, "axial", 4), *_numbers(self.lateral, "lateral", 2)]
+        noise = [*numbers(self.axial, "axial", 4), *numbers(self.lateral, "lateral", 2)]
         noise += [_core.number_of(getattr(self, name), name) for name in ("disparity_noise", "disparity_step")]
         if not all(math.isfinite(value) and value >= 0 for value in noise):
             raise UsageError("the noise and the disparity step of a depth sensor must be at least 0")
@@ -107,13 +97,6 @@ class DepthFrame:
     shadow: Array  # (H, W) bool: another surface hides the point from the projector or second camera
 
 
-def _array(values: npt.ArrayLike, name: str) -> Array:
-    try:
-        return np.asarray(values, np.float64)
-    except (TypeError, ValueError) as error:
-        raise UsageError(f"{name} must be an array of numbers (H, W)") from error
-
-
 def measure(sensor: DepthSensor, depth: npt.ArrayLike, incidence: npt.ArrayLike, focal: float, seed: int | None = 0,
             shadow: npt.ArrayLike | None = None) -> Array:  # fmt: skip
     """Returns what the sensor measures of exact depths (H, W), in meters: float32, 0 where it has no value.
@@ -121,8 +104,9 @@ def measure(sensor: DepthSensor, depth: npt.ArrayLike, incidence: npt.ArrayLike,
     incidence: (H, W) radians from 0 to pi/2, or NaN, where the sensor has no value; focal: focal length in pixels;
     seed: of the noise, or None for quantization only; shadow: (H, W) True where the point is hidden from the projector
     """
+    require(sensor, DepthSensor, "sensor")
     seed = _checked_seed(seed)
-    z, angle = _array(depth, "depth"), _array(incidence, "incidence")
+    z, angle = _core.numbers_of(depth, "depth"), _core.numbers_of(incidence, "incidence")
     if z.ndim != 2 or angle.shape != z.shape:
         raise UsageError(f"depth and incidence must have the same shape (H, W), not {z.shape} and {angle.shape}")
     focal = _core.number_of(focal, "focal")
@@ -195,6 +179,9 @@ def capture(renderer: Renderer, camera: Camera, size: tuple[int, int], sensor: D
 
     The shadow of structured light is traced: pixels whose point the projector does not reach have no value.
     """
+    require(renderer, Renderer, "renderer")
+    require(camera, Camera, "camera")
+    require(sensor, DepthSensor, "sensor")
     if camera.orthographic or (camera.lens is not None and camera.lens.model != "pinhole"):
         raise UsageError("a depth sensor needs a perspective camera without a lens that bends rays")
     seed = _checked_seed(seed)  # before anything is rendered

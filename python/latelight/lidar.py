@@ -24,6 +24,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._core import Renderer
+from ._options import numbers, require
 from .errors import UsageError
 from .trajectory import Motion, Trajectory, checked_poses, sensor_pose
 
@@ -69,8 +70,12 @@ class Pattern:
     echo_separation: float = 1.0  # meters; nearer surfaces along a beam are one echo
 
     def __post_init__(self) -> None:
-        count = len(self.times)
-        if self.directions.shape != (count, 3) or np.shape(self.rings) != (count,) or np.shape(self.times) != (count,):
+        # The only way to convert the fields of a frozen dataclass.
+        object.__setattr__(self, "directions", _core.numbers_of(self.directions, "directions"))
+        object.__setattr__(self, "times", _core.numbers_of(self.times, "times"))
+        object.__setattr__(self, "rings", _core.rings_of(self.rings))
+        count = self.times.size
+        if self.directions.shape != (count, 3) or self.rings.shape != (count,) or self.times.shape != (count,):
             raise UsageError("a pattern needs directions (N, 3), and times and rings (N)")
         lengths = np.linalg.norm(self.directions, axis=1)
         if not np.allclose(lengths, 1, atol=1e-6):
@@ -79,7 +84,7 @@ class Pattern:
         if not all(value > 0 for value in positive):
             raise UsageError("period, rated_range, max_range and echo_separation of a pattern must be above 0")
         others = [_core.number_of(getattr(self, name), name) for name in NOT_NEGATIVE]
-        others += [_core.number_of(value, "divergence") for value in self.divergence]
+        others += numbers(self.divergence, "divergence", 2)
         if not all(value >= 0 and math.isfinite(value) for value in others):
             raise UsageError("min_range, range_noise, range_resolution and divergence of a pattern must be at least 0")
 
@@ -106,9 +111,12 @@ def spinning(
     """
     if not _core.number_of(cycle, "cycle") > 0 or not _core.number_of(rate, "rate") > 0:
         raise UsageError("a spinning sensor needs a cycle and a rate above 0")
-    lasers = len(elevations)
-    offsets = np.arange(lasers) * firing if isinstance(firing, (int, float)) else np.asarray(firing, np.float64)
-    azimuth = np.broadcast_to(np.asarray(azimuths, np.float64), (lasers,))
+    lasers = _core.numbers_of(elevations, "elevations").size
+    offsets, azimuth = _core.numbers_of(firing, "firing"), _core.numbers_of(azimuths, "azimuths")
+    if offsets.ndim == 0:
+        offsets = np.arange(lasers) * offsets
+    if azimuth.size == 1:
+        azimuth = np.full(lasers, azimuth.item())
     fields = _core.spinning_pattern(name, elevations, azimuth, offsets, cycle, columns or 0, rate)
     return Pattern(**{**fields, **properties})
 
@@ -236,6 +244,7 @@ def scan(
     Returns the echoes that the receiver detects: those whose signal, which falls with the square of the range and the
     cosine of incidence, exceeds the threshold of a noisy receiver.
     """
+    require(pattern, Pattern, "pattern")
     if returns not in RETURNS:
         raise UsageError(f"returns must be one of {', '.join(RETURNS)}, not {returns!r}")
     limit = _core.number_of(options.pop("max_distance", math.inf), "max_distance")
@@ -243,6 +252,7 @@ def scan(
         raise UsageError(f"max_distance must be above 0 meters, not {limit:g}")
     if limit < pattern.max_range:
         pattern = replace(pattern, max_range=limit)
-    poses = pose if hasattr(pose, "at") else Motion(checked_poses(pose))  # type: ignore[arg-type]
+    # Arrays of JAX have a property "at", too.
+    poses = pose if callable(getattr(pose, "at", None)) else Motion(checked_poses(pose))  # type: ignore[arg-type]
     frames = poses.at(_core.number_of(start, "start") + pattern.times)  # type: ignore[union-attr]
     return Scan(**_core.scan_lidar(renderer, pattern, frames, samples, returns, seed, slices, **options))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
 from .errors import UsageError
 
 Array = npt.NDArray[np.float64]
@@ -14,7 +15,7 @@ Array = npt.NDArray[np.float64]
 
 def checked_poses(poses: npt.ArrayLike, name: str = "pose") -> Array:
     """Returns poses (..., 4, 4) as float64. Raises UsageError unless all are rigid: rotations and translations."""
-    array = np.asarray(poses, np.float64)
+    array = _core.numbers_of(poses, name)
     if array.shape[-2:] != (4, 4):
         raise UsageError(f"{name} must be a matrix of 4x4 values, not of shape {array.shape}")
     turns = array[..., :3, :3]
@@ -71,7 +72,7 @@ class Trajectory:
 
     def __init__(self, times: npt.ArrayLike, poses: npt.ArrayLike) -> None:
         """times: (K,) seconds, increasing, at least two; poses: (K, 4, 4), rigid."""
-        self.times = np.asarray(times, np.float64)
+        self.times = _core.numbers_of(times, "times")
         self.poses = checked_poses(poses, "poses")
         if self.times.ndim != 1 or len(self.times) < 2 or self.poses.shape != (len(self.times), 4, 4):
             raise UsageError("a trajectory has at least two times (K) and as many poses (K, 4, 4)")
@@ -80,7 +81,7 @@ class Trajectory:
 
     def at(self, times: npt.ArrayLike) -> Array:
         """Returns the poses (N, 4, 4) at times (N,) in seconds, which must lie within the trajectory."""
-        when = np.asarray(times, np.float64).ravel()
+        when = _core.numbers_of(times, "times").ravel()
         slack = 1e-9 * max(1.0, float(np.abs(self.times).max()))
         if when.size and (when.min() < self.times[0] - slack or when.max() > self.times[-1] + slack):
             raise UsageError(
@@ -109,8 +110,8 @@ class Motion:
         self, pose: npt.ArrayLike, velocity: Sequence[float] = (0, 0, 0), angular_velocity: Sequence[float] = (0, 0, 0)
     ) -> None:
         self.pose = checked_poses(pose)
-        self.velocity = np.asarray(velocity, np.float64)
-        self.angular_velocity = np.asarray(angular_velocity, np.float64)
+        self.velocity = _core.numbers_of(velocity, "velocity")
+        self.angular_velocity = _core.numbers_of(angular_velocity, "angular_velocity")
         if self.pose.shape != (4, 4):
             raise UsageError(f"pose must be one matrix of 4x4 values, not of shape {self.pose.shape}")
         for name in ("velocity", "angular_velocity"):
@@ -120,7 +121,7 @@ class Motion:
 
     def at(self, times: npt.ArrayLike) -> Array:
         """Returns the poses (N, 4, 4) at times (N,) in seconds."""
-        when = np.asarray(times, np.float64).ravel()
+        when = _core.numbers_of(times, "times").ravel()
         result = np.tile(self.pose, (len(when), 1, 1))
         result[:, :3, :3] = rotations(when[:, None] * self.angular_velocity) @ self.pose[:3, :3]
         result[:, :3, 3] += when[:, None] * self.velocity
@@ -133,8 +134,8 @@ def sensor_pose(position: Sequence[float], forward: Sequence[float], up: Sequenc
     All vectors are in the frame of the scene file. `forward` and `up` may have any length and need not be orthogonal;
     the sensor looks exactly forward.
     """
-    x, z = np.asarray(forward, np.float64), np.asarray(up, np.float64)
-    if x.shape != (3,) or z.shape != (3,) or np.shape(position) != (3,):
+    x, z, origin = _core.numbers_of(forward, "forward"), _core.numbers_of(up, "up"), _core.numbers_of(position, "position")
+    if x.shape != (3,) or z.shape != (3,) or origin.shape != (3,):
         raise UsageError("position, forward and up must be three numbers each")
     y = np.cross(z, x)
     if not np.isfinite(y).all() or np.linalg.norm(y) < 1e-9 * np.linalg.norm(x) * np.linalg.norm(z) or not x.any():
@@ -142,5 +143,5 @@ def sensor_pose(position: Sequence[float], forward: Sequence[float], up: Sequenc
     x, y = x / np.linalg.norm(x), y / np.linalg.norm(y)
     pose = np.eye(4)
     pose[:3, :3] = np.stack([x, y, np.cross(x, y)], axis=1)
-    pose[:3, 3] = position
+    pose[:3, 3] = origin
     return pose

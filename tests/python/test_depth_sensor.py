@@ -164,6 +164,18 @@ def test_wrong_arguments(renderer):
     for focal in (0.0, -1.0, math.inf, math.nan, "x"):
         refused("focal", lambda: depth_sensor.measure(kinect, np.ones((4, 4)), np.ones((4, 4)), focal))
     refused("depth must be", lambda: depth_sensor.measure(kinect, "x", np.ones((4, 4)), 500.0))
+    refused("incidence must be", lambda: depth_sensor.measure(kinect, np.ones((4, 4)), [[1], [2, 3]], 500.0))
+    for value, kind in ((None, "NoneType"), ("kinect", "str"), ([latelight.Camera()], "list")):
+        for name, call in (
+            ("renderer must be a Renderer", lambda: depth_sensor.capture(value, latelight.Camera(), (8, 8), kinect)),
+            ("camera must be a Camera", lambda: depth_sensor.capture(renderer, value, (8, 8), kinect)),
+            ("sensor must be a DepthSensor", lambda: depth_sensor.capture(renderer, latelight.Camera(), (8, 8), value)),
+            ("sensor must be a DepthSensor", lambda: depth_sensor.measure(value, *plane(1, 0, (4, 4)), 500.0)),
+        ):  # fmt: skip
+            with pytest.raises(latelight.ArgumentTypeError, match=f"^{name}, not {kind}$"):
+                call()
+    for size in (8, (8,), None, "8x8"):
+        refused("size must be", lambda: depth_sensor.capture(renderer, latelight.Camera(), size, kinect))
     for seed in (-1, 1.5, "x", 2**63, True):
         refused("seed must be a whole number", lambda: depth_sensor.measure(kinect, *plane(1, 0), 500.0, seed))
         refused(

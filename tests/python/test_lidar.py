@@ -408,6 +408,71 @@ def test_arguments_that_are_no_numbers(renderer, value, kind):
             call()
 
 
+def test_patterns_accept_lists():
+    pattern = lidar.Pattern("lists", [[1, 0, 0], [0, 1, 0]], [0, 0.01], [3, 65535], 0.1)
+    arrays = (pattern.directions, pattern.times, pattern.rings)
+    assert [array.dtype for array in arrays] == ["float64", "float64", "uint16"]
+    assert [array.tolist() for array in arrays] == [[[1, 0, 0], [0, 1, 0]], [0, 0.01], [3, 65535]]
+
+
+def test_numbers_of_numpy_are_numbers():
+    plain = lidar.spinning("sensor", [-1.0, 0.0, 1.0], 1e-3, 10, firing=1e-5, azimuths=2.0)
+    numpy = lidar.spinning("sensor", np.arange(-1, 2), np.float64(1e-3), 10, np.float64(1e-5), np.array(2.0))
+    for name in ("directions", "times", "rings"):
+        np.testing.assert_array_equal(getattr(plain, name), getattr(numpy, name))
+    assert plain.times[:3].tolist() == [0, 1e-5, 2e-5]
+    single = lidar.spinning("sensor", [0.0, 1.0], 1e-3, 10, firing=np.float32(0.25e-3))
+    assert single.times[1] == np.float32(0.25e-3)
+
+
+class WithProperty:
+    """A matrix with a property "at" that is not a function, such as an array of JAX."""
+
+    at = None
+
+    def __array__(self, dtype=None, copy=None):
+        return POSE
+
+
+def test_poses_may_have_other_properties(renderer):
+    pattern = firings([X])
+    scans = [lidar.scan(renderer, pattern, pose, seed=None) for pose in (POSE, WithProperty())]
+    assert np.array_equal(scans[0].position, scans[1].position)
+
+
+@pytest.mark.parametrize("value, kind", [(None, "NoneType"), ("vlp-16", "str"), (4, "int")])
+def test_arguments_of_other_classes(renderer, value, kind):
+    with pytest.raises(latelight.ArgumentTypeError, match=f"^pattern must be a Pattern, not {kind}$"):
+        lidar.scan(renderer, value, POSE)
+
+
+@pytest.mark.parametrize(
+    "value, kind", [(None, "NoneType"), ("abc", "str"), ([[1], [2, 3]], "list"), ([True] * 3, "bool")]
+)
+def test_arguments_that_are_no_arrays(renderer, value, kind):
+    pattern, vector = firings([X]), (0, 0, 1)
+    calls = {
+        "pose": lambda: lidar.scan(renderer, pattern, value),
+        "poses": lambda: lidar.Trajectory([0, 1], value),
+        "times": lambda: lidar.Trajectory(value, [POSE, POSE]),
+        "velocity": lambda: lidar.Motion(POSE, velocity=value),
+        "angular_velocity": lambda: lidar.Motion(POSE, angular_velocity=value),
+        "position": lambda: lidar.sensor_pose(value, vector),
+        "forward": lambda: lidar.sensor_pose(vector, value),
+        "up": lambda: lidar.sensor_pose(vector, vector, value),
+        "directions": lambda: dataclasses.replace(pattern, directions=value),
+        "elevations": lambda: lidar.spinning("sensor", value, 1e-3, 10),
+        "firing": lambda: lidar.spinning("sensor", [0.0], 1e-3, 10, firing=value),
+        "azimuths": lambda: lidar.spinning("sensor", [0.0], 1e-3, 10, azimuths=value),
+    }
+    for name, call in calls.items():
+        with pytest.raises(latelight.ArgumentTypeError, match=f"^{name} must be an array of numbers, not {kind}$"):
+            call()
+    for call in (lidar.Motion(POSE).at, lidar.Trajectory([0, 1], [POSE, POSE]).at):
+        with pytest.raises(latelight.ArgumentTypeError, match=f"^times must be an array of numbers, not {kind}$"):
+            call(value)
+
+
 def test_wrong_arguments(renderer, tmp_path, scanned):
     def refused(text, call):
         with pytest.raises(latelight.UsageError, match=text):
@@ -424,6 +489,18 @@ def test_wrong_arguments(renderer, tmp_path, scanned):
         text = f"slices must be a whole number from 1 to 100000, not {slices}$"
         refused(text, lambda: lidar.scan(renderer, pattern, POSE, slices=slices))
     refused("unit vectors", lambda: firings([[2, 0, 0]]))
+    for ring in (-1, 65536, 70000, 2**63):
+        text = f"each value of rings must be a whole number from 0 to 65535, not {ring}$"
+        refused(text, lambda: dataclasses.replace(pattern, rings=np.array([ring])))
+    refused("rings must be an array of whole numbers, not float64", lambda: dataclasses.replace(pattern, rings=[0.5]))
+    refused(r"needs directions \(N, 3\), and times", lambda: dataclasses.replace(pattern, times=[0, 1]))
+    for divergence in (0.1, (0.1,), (0.1, 0.1, 0.1), "12", None):
+        refused("divergence must be 2 numbers", lambda: dataclasses.replace(pattern, divergence=divergence))
+    refused("2 lasers needs as many azimuths", lambda: lidar.spinning("x", [0.0, 1.0], 1e-3, 10, azimuths=[1.0] * 3))
+    for name, limit in (("ring", 65535), ("echo", 255), ("firing", 2**32 - 1)):
+        wrong = dataclasses.replace(scanned, **{name: np.full(len(scanned), limit + 1)})
+        text = f"each value of {name} must be a whole number from 0 to {limit}, not {limit + 1}$"
+        refused(text, lambda: wrong.write(tmp_path / "a.ply"))
     refused("must increase", lambda: lidar.Trajectory([0, 0], [POSE, POSE]))
     refused("known from 0 to 0.01 s", lambda: lidar.scan(
         renderer, lidar.vlp16(), lidar.Trajectory([0, 0.01], [POSE, POSE])))  # fmt: skip
