@@ -142,12 +142,34 @@ def measure(sensor: DepthSensor, depth: npt.ArrayLike, incidence: npt.ArrayLike,
     return np.where(valid, near, 0).astype(np.float32)
 
 
+def _times_of_rows(renderer: Renderer, camera: Camera, height: int, options: dict[str, Any]) -> Array | None:
+    """Returns the scene's time at each row of a rolling shutter, or None if all rows show it at the same time."""
+    readout = camera.readout if camera.readout is not None else options.get("readout", 0.0)
+    time = options.get("time")
+    if not readout or time is None or not renderer.scene.animations:
+        return None
+    return time + ((np.arange(height) + 0.5) / height - 0.5) * readout
+
+
 def _shadow(renderer: Renderer, camera: Camera, sensor: DepthSensor, points: Array, seen: Array,
             options: dict[str, Any]) -> Array:  # fmt: skip
     """Returns True for the points (H, W, 3) that are seen and that the projector does not reach.
 
     points: relative to the camera's eye, because their floats have no millimeters far from the origin
     """
+    times = _times_of_rows(renderer, camera, len(points), options)
+    if times is None:
+        return _shadow_at_once(renderer, camera, sensor, points, seen, options)
+    rows = [
+        _shadow_at_once(renderer, camera, sensor, points[y : y + 1], seen[y : y + 1], {**options, "time": float(time)})
+        for y, time in enumerate(times)
+    ]
+    return np.concatenate(rows)
+
+
+def _shadow_at_once(renderer: Renderer, camera: Camera, sensor: DepthSensor, points: Array, seen: Array,
+                    options: dict[str, Any]) -> Array:  # fmt: skip
+    """_shadow() for points that are all seen at the time of the options."""
     pose = np.asarray(camera.camera_to_world, np.float64)
     offset = pose[:3, 0] * sensor.baseline
     projector = pose[:3, 3] + offset
@@ -177,7 +199,8 @@ def capture(renderer: Renderer, camera: Camera, size: tuple[int, int], sensor: D
     accept, such as time, except axes, position_origin and normal_frame, those that choose the arrays (outputs, out,
     on_device, formats and channels_first), previous_cameras and next_cameras
 
-    The shadow of structured light is traced: pixels whose point the projector does not reach have no value.
+    The shadow of structured light is traced: pixels whose point the projector does not reach have no value. With a
+    rolling shutter, each row has the shadow of its own time.
     """
     require(renderer, Renderer, "renderer")
     require(camera, Camera, "camera")

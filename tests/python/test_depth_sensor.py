@@ -118,6 +118,36 @@ def test_the_projector_casts_a_shadow(device, at, vertical_focal):
     assert (np.abs(frame.depth - frame.true_depth)[seen] < 9 / (100 * 0.3) / 16 * 1.1).all()
 
 
+@pytest.mark.parametrize("own", [False, True])
+def test_rows_of_a_rolling_shutter_have_their_own_shadows(device, own):
+    """The plate of the test above moves to the right by 0.4 m per second, and row y of 20 is exposed at the time
+    5 + ((y + 0.5) / 20 - 0.5) * 1.5."""
+    scene = latelight.Scene()
+    quad(scene, (-10, 10), -3.0, (0, 0, 0))
+    points = np.array([[-0.2, -5, -1], [0.2, -5, -1], [0.2, 5, -1], [-0.2, 5, -1]], np.float32)
+    mesh = scene.add_mesh(points, indices=[[0, 1, 2], [0, 2, 3]])
+    plate = scene.add_node("plate", parts=[(mesh, scene.add_material(latelight.Material()))])
+    path = dict(times=[0, 10], values=[[-2, 0, 0], [2, 0, 0]])
+    scene.add_animation("move", [latelight.AnimationChannel(node=plate, property="translation", **path)])
+    camera = latelight.Camera.from_k([[100, 0, 100], [0, 100, 10], [0, 0, 1]], np.diag([1.0, -1, -1, 1]), (200, 20))
+    options = dict(readout=1.5)
+    if own:  # replaces the option's
+        camera.readout, options["readout"] = 1.5, 9.0
+    sensor = dataclasses.replace(depth_sensor.kinect(), baseline=0.3)
+    renderer = latelight.Renderer(scene, device)
+    frame = depth_sensor.capture(renderer, camera, (200, 20), sensor, seed=None, time=5, **options)
+    x = np.arange(200) + 0.5 - 100
+    for y in range(20):
+        left, right = (edge + 0.4 * ((y + 0.5) / 20 - 0.5) * 1.5 for edge in (-0.2, 0.2))
+        on_plate = (x > 100 * left) & (x < 100 * right)
+        wall_x, edges = 3 * x / 100, [0.3 + 3 * (edge - 0.3) for edge in (left, right)]
+        expected = ~on_plate & (wall_x > edges[0]) & (wall_x < edges[1])
+        clear = (np.abs(x - 100 * left) > 0.5) & (np.abs(x - 100 * right) > 0.5)
+        clear &= (np.abs(wall_x - edges[0]) > 0.05) & (np.abs(wall_x - edges[1]) > 0.05)
+        assert np.array_equal(frame.shadow[y][clear], expected[clear]), y
+        np.testing.assert_allclose(frame.true_depth[y][clear], np.where(on_plate, 1, 3)[clear], rtol=1e-5)
+
+
 @pytest.mark.parametrize("fit, focal", [("whole", 16 * math.sqrt(3)), ("vertical", 32 * math.sqrt(3))])
 def test_the_fit_of_the_camera_defines_the_focal_length(device, fit, focal):
     """A wall at 2 m fills a square image of a camera with 60 degrees of vertical field of view and the aspect 2.
