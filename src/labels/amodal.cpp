@@ -294,8 +294,7 @@ render::SceneState widened(const render::SceneState& moment, const std::vector<s
                            const render::Settings& settings) {
   render::SceneState wide = render::onlyReadout(moment, settings);
   if (settings.readout == 0) return wide;
-  const render::CameraMotion motion(cameras, wide.previousCameras, wide.nextCameras, wide.motion,
-                                    1 / settings.framesPerSecond);
+  const render::CameraMotion motion(cameras, wide.previousCameras, wide.nextCameras, wide.motion, settings);
   wide.previousCameras.clear();
   wide.nextCameras.clear();
   if (motion.movesCameras())

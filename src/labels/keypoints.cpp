@@ -310,7 +310,7 @@ class RollingKeypoints {
         scene_(scene),
         settings_(settings),
         moment_(moment),
-        motion_({camera}, moment.previousCameras, moment.nextCameras, moment.motion, 1 / settings.framesPerSecond),
+        motion_({camera}, moment.previousCameras, moment.nextCameras, moment.motion, settings),
         nodes_(scene, moment, 0) {}
 
   bool areMoved() const { return settings_.readout != 0 && (motion_.movesCameras() || motion_.movesScene()); }

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <glm/gtc/matrix_transform.hpp>
@@ -12,6 +13,7 @@
 #include "motion/files.h"
 #include "render/exposure/camera_motion.h"
 #include "render/exposure/camera_samples.h"
+#include "render/frame/view.h"
 #include "render/submit/session.h"
 #include "render/support.h"
 
@@ -173,7 +175,7 @@ TEST_P(ExposureTest, AnimationsAreTheMeanOfInstants) {
     SceneState moment{.poses = posesAt(scene, s), .motion = motionNear(scene, s)};
     scene::Camera next = camera;
     next.toWorld = glm::rotate(camera.toWorld, 0.02, glm::dvec3(0, 0, 1));
-    moment.previousCameras = {between(camera, next, -1)};
+    moment.previousCameras = {between(camera, next, -1, kWidth, kHeight)};
     moment.nextCameras = {next};
     const output::FrameOutput exposed = render(scene, camera, s, moment);
     const uint32_t instants = 8;
@@ -325,7 +327,7 @@ TEST_P(ExposureTest, RowsAreThoseOfTheirInstants) {
     next.toWorld = glm::rotate(camera.toWorld, 0.05, glm::dvec3(0.1, 0.2, 1));
     next.toWorld[3] += glm::dvec4(0.05, 0.02, 0, 0);
     moment.nextCameras = {next};
-    moment.previousCameras = {between(camera, next, -1)};
+    moment.previousCameras = {between(camera, next, -1, kWidth, kHeight)};
     const output::FrameOutput rolling = render(scene, camera, s, moment);
     Renderer renderer(device(), scene, nullptr);
     for (const uint32_t y : {0u, 5u, 24u, kHeight - 1}) {
@@ -334,7 +336,7 @@ TEST_P(ExposureTest, RowsAreThoseOfTheirInstants) {
       instant.readout = 0;
       if (s.time) *instant.time += seconds;
       const scene::Camera here =
-          between(camera, seconds > 0 ? next : moment.previousCameras[0], std::abs(seconds) * kFps);
+          between(camera, seconds > 0 ? next : moment.previousCameras[0], std::abs(seconds) * kFps, kWidth, kHeight);
       const auto frame = std::move(renderer.render({&here, 1}, instant, {.poses = posesAt(scene, instant)}).front());
       for (const Aov aov : s.aovs) {
         const output::AovImage &one = imageOf(rolling, aov), &other = imageOf(frame, aov);
@@ -405,21 +407,83 @@ INSTANTIATE_TEST_SUITE_P(Rasters, ExposureTest, testing::Values(Raster::Hardware
 
 // --- cameras between frames -----------------------------------------------------------------------------------------
 
+Settings pictureAt(double framesPerSecond) {
+  Settings s = settingsOf(kWidth, kHeight, {Aov::Color});
+  s.framesPerSecond = framesPerSecond;
+  return s;
+}
+
+// Returns the scales and the principal point (NDC) of a camera's projection.
+glm::vec4 projectionOf(const scene::Camera& camera) {
+  const shared::Projection p = makeView(camera, kWidth, kHeight).projection;
+  return {p.H, p.V, p.X, p.Z};
+}
+
+float fovOf(double focalLengthInHalfHeights) {
+  return static_cast<float>(2 * std::atan(1 / focalLengthInHalfHeights));
+}
+
 TEST(CameraMotion, IsUniformBetweenFrames) {
   scene::Camera now = frontPerspective(0.5f, 3), next = now;
   next.toWorld = glm::rotate(now.toWorld, 0.4, glm::dvec3(0, 1, 0));
   next.toWorld[3] += glm::dvec4(1, 2, 4, 0);
-  next.verticalFov = 0.7f;
-  const CameraMotion motion({now}, {now}, {next}, {.sincePrevious = {0}, .untilNext = {0.5}}, 1);
+  const CameraMotion motion({now}, {now}, {next}, {.sincePrevious = {0}, .untilNext = {0.5}}, pictureAt(1));
   for (const double seconds : {-0.25, 0.125, 0.4}) {  // before the first frame, it moves as after it
     const scene::Camera camera = motion.at(0, seconds);
     const glm::dmat4 turned = glm::rotate(now.toWorld, 0.8 * seconds, glm::dvec3(0, 1, 0));
     for (int i = 0; i < 3; ++i) EXPECT_LE(glm::distance(camera.toWorld[i], turned[i]), 1e-12);
     EXPECT_LE(glm::distance(glm::dvec3(camera.toWorld[3] - now.toWorld[3]), glm::dvec3(2, 4, 8) * seconds), 1e-12);
-    EXPECT_NEAR(camera.verticalFov, 0.5 + 0.4 * seconds, 1e-6);
   }
   EXPECT_TRUE(motion.movesCameras());
-  EXPECT_FALSE(CameraMotion({now}, {now}, {now}, {}, 1).movesCameras());
+  EXPECT_FALSE(CameraMotion({now}, {now}, {now}, {}, pictureAt(1)).movesCameras());
+}
+
+// A camera can state the projection of a picture of 4:3 by its field of view, by a wider frame of its own, which the
+// picture shows all of, or by a lens.
+TEST(CameraMotion, MixesProjectionsHoweverTheyAreDescribed) {
+  const auto camerasOf = [](double focalLength, glm::vec2 principal) {
+    scene::Camera plain = frontPerspective(fovOf(focalLength), 3);
+    plain.principal = principal;
+    scene::Camera framed = plain;
+    framed.aspect = 2.0f;
+    framed.verticalFov = fovOf(focalLength * 1.5);
+    scene::Camera calibrated = frontPerspective(0.8f, 3);
+    const double f = 50 * focalLength;
+    calibrated.lens = scene::Lens{.width = 160, .height = 100, .fx = 1.2 * f, .fy = f};
+    calibrated.lens->cx = 80 * (1 + double{principal.x});
+    calibrated.lens->cy = 50 * (1 - double{principal.y});
+    return std::array{plain, framed, calibrated};
+  };
+  constexpr double kNear = 3, kFar = 5;
+  for (const scene::Camera& now : camerasOf(kNear, {0.1, -0.2}))
+    for (const scene::Camera& next : camerasOf(kFar, {0.3, 0.2})) {
+      const CameraMotion motion({now}, {}, {next}, {}, pictureAt(2));
+      EXPECT_TRUE(motion.movesCameras());
+      for (const double share : {-0.5, 0.25, 1.0}) {
+        const double v = kNear + (kFar - kNear) * share;
+        const glm::vec4 expected(v * 0.75, v, 0.1 + 0.2 * share, -0.2 + 0.4 * share);
+        EXPECT_LE(glm::length(projectionOf(motion.at(0, 0.5 * share)) - expected), 1e-5) << share;
+      }
+    }
+  for (const scene::Camera& now : camerasOf(kNear, {0.1, -0.2}))
+    for (const scene::Camera& next : camerasOf(kNear, {0.1, -0.2}))
+      EXPECT_LE(glm::length(projectionOf(CameraMotion({now}, {}, {next}, {}, pictureAt(2)).at(0, 0.2)) -
+                            glm::vec4(kNear * 0.75, kNear, 0.1, -0.2)),
+                1e-5);
+}
+
+TEST(CameraMotion, MixesTheExtentsOfOrthographicCameras) {
+  scene::Camera now = frontCamera(1.25f, 4), next = frontCamera(3.0f, 4);
+  now.aspect = 2.0f;  // the picture of 4:3 shows 1.5 times the height
+  const CameraMotion motion({now}, {}, {next}, {}, pictureAt(2));
+  EXPECT_NEAR(projectionOf(motion.at(0, 0.125)).y, 1 / (1.875 + 1.125 * 0.25), 1e-6);
+  EXPECT_NEAR(projectionOf(motion.at(0, 0.125)).x, 0.75 / (1.875 + 1.125 * 0.25), 1e-6);
+  next.yHalf = 1.875f;
+  EXPECT_FALSE(CameraMotion({now}, {}, {next}, {}, pictureAt(2)).movesCameras());
+  // There is nothing between a parallel and a perspective projection.
+  const scene::Camera perspective = frontPerspective(0.3f, 4);
+  EXPECT_EQ(projectionOf(CameraMotion({perspective}, {}, {now}, {}, pictureAt(2)).at(0, 0.2)),
+            projectionOf(perspective));
 }
 
 // Pinhole lenses zoom and shift, as the field of view and the principal point of cameras without a lens do.
@@ -428,7 +492,7 @@ TEST(CameraMotion, ChangesPinholeLenses) {
   now.lens = scene::Lens{.width = 64, .height = 48, .fx = 50, .fy = 40, .cx = 32, .cy = 24};
   scene::Camera next = now;
   next.lens = scene::Lens{.width = 128, .height = 96, .fx = 120, .fy = 88, .cx = 60, .cy = 52};  // 60, 44, 30, 26
-  const CameraMotion motion({now}, {}, {next}, {}, 0.5);
+  const CameraMotion motion({now}, {}, {next}, {}, pictureAt(2));
   EXPECT_TRUE(motion.movesCameras());
   for (const double share : {-0.5, 0.25, 1.0}) {
     const scene::Lens lens = motion.at(0, 0.5 * share).lens.value();
@@ -439,7 +503,7 @@ TEST(CameraMotion, ChangesPinholeLenses) {
     EXPECT_NEAR(lens.cx, 32 - 2 * share, 1e-12);
     EXPECT_NEAR(lens.cy, 24 + 2 * share, 1e-12);
   }
-  EXPECT_FALSE(CameraMotion({now}, {now}, {now}, {}, 0.5).movesCameras());
+  EXPECT_FALSE(CameraMotion({now}, {now}, {now}, {}, pictureAt(2)).movesCameras());
 }
 
 // --- errors ---------------------------------------------------------------------------------------------------------

@@ -12,11 +12,11 @@ namespace latelight::data {
 namespace {
 
 // Returns true if the scene or the camera moves while an image is exposed.
-bool moves(const CameraTimeline& cameras, size_t i) {
+bool moves(const CameraTimeline& cameras, size_t i, const render::Settings& settings) {
   const scene::Camera& now = cameras.camera(i).camera;
   const auto previous = cameras.previous(i), next = cameras.next(i);
   const render::CameraMotion motion({now}, {previous ? previous->camera : now}, {next ? next->camera : now},
-                                    {.poseAt = cameras.posesNear(i)}, 1);
+                                    {.poseAt = cameras.posesNear(i)}, settings);
   return motion.movesScene() || motion.movesCameras();
 }
 
@@ -26,7 +26,7 @@ void checkRendering(const CameraTimeline& cameras, size_t i, const render::Setti
   const scene::Camera& camera = cameras.camera(i).camera;
   if (camera.lens) scene::checkLens(*camera.lens, settings.width, settings.height);
   if (render::bendsRays(camera)) render::lensSettings(settings);
-  const bool isMoving = (settings.shutter > 0 || settings.readout != 0) && moves(cameras, i);
+  const bool isMoving = (settings.shutter > 0 || settings.readout != 0) && moves(cameras, i, settings);
   const bool blurs = (settings.shutter > 0 && isMoving) || described.apertureRadius > 0;
   render::checkExposure(
       settings, {.exposes = render::showsPicture(settings) && blurs, .byRows = settings.readout != 0 && isMoving});

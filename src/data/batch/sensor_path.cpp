@@ -2,6 +2,7 @@
 
 #include "base/hash.h"
 #include "render/exposure/camera_motion.h"
+#include "render/frame/view.h"
 #include "render/submit/session.h"
 
 namespace latelight::data {
@@ -28,7 +29,10 @@ scene::Camera CameraPath::at(double seconds) const {
   size_t i = 0;
   while (i + 1 < legs_.size() && legs_[i + 1].begin <= seconds) ++i;
   const Leg& leg = legs_[i];
-  return render::between(leg.from, leg.to, (seconds - leg.begin) / leg.seconds);
+  const double share = (seconds - leg.begin) / leg.seconds;
+  scene::Camera camera = leg.from;
+  camera.toWorld = render::poseBetween(render::rigidPose(leg.from), render::rigidPose(leg.to), share);
+  return camera;
 }
 
 namespace {

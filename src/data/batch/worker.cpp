@@ -216,7 +216,7 @@ std::vector<output::CameraMetadata> Worker::edgesOf(uint64_t index, const render
   render::SceneState moment;
   addNeighbors(index, moment);
   const render::CameraMotion motion({cameraOf(index)}, moment.previousCameras, moment.nextCameras, moment.motion,
-                                    1 / settings.framesPerSecond);
+                                    settings);
   if (!motion.movesCameras()) return {};
   std::vector<output::CameraMetadata> edges;
   for (const double seconds : {-settings.readout / 2, settings.readout / 2})

@@ -40,8 +40,7 @@ PointView between(const PointView& from, const PointView& to, double share) {
   PointView view{from.lens};
   for (double scene::Lens::*each : {&scene::Lens::fx, &scene::Lens::fy, &scene::Lens::cx, &scene::Lens::cy})
     view.lens.*each += (to.lens.*each - from.lens.*each) * share;
-  view.worldFromCamera =
-      render::between({.toWorld = from.worldFromCamera}, {.toWorld = to.worldFromCamera}, share).toWorld;
+  view.worldFromCamera = render::poseBetween(from.worldFromCamera, to.worldFromCamera, share);
   return view;
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "render/settings/settings.h"
 #include "scene/animation.h"
 #include "scene/scene.h"
 
@@ -20,16 +21,22 @@ struct SceneMotion {
   std::vector<double> sincePrevious, untilNext;
 };
 
-// Returns the camera at a share of the way from `a` to `b`, or beyond them: position, field of view, principal point
-// and the camera matrix of pinhole lenses change linearly, and the camera rotates about a fixed axis at constant speed.
-// All else is that of `a`.
-scene::Camera between(const scene::Camera& a, const scene::Camera& b, double share);
+// Returns the pose at a share of the way from one rigid pose to another, or beyond them: the position changes linearly,
+// and the rotation is about a fixed axis at constant speed.
+glm::dmat4 poseBetween(const glm::dmat4& from, const glm::dmat4& to, double share);
+
+// Returns the camera at a share of the way from `a` to `b`, or beyond them. The pose is that of poseBetween(). In
+// pictures of `width` x `height` pixels, the focal lengths and the principal point of perspective cameras without a
+// lens that bends rays change linearly, however the cameras describe them, and so do the extents of orthographic
+// cameras. All else is that of `a`.
+scene::Camera between(const scene::Camera& a, const scene::Camera& b, double share, uint32_t width, uint32_t height);
 
 class CameraMotion {
  public:
-  // `previous` and `next`: one per camera, or empty if the cameras are static. `frameSeconds`: from frame to frame.
+  // `previous` and `next`: one per camera, or empty if the cameras are static. `settings`: the pictures' size and the
+  // frames per second.
   CameraMotion(std::vector<scene::Camera> now, std::vector<scene::Camera> previous, std::vector<scene::Camera> next,
-               SceneMotion motion, double frameSeconds);
+               SceneMotion motion, const Settings& settings);
 
   // Without a previous frame, the camera moves as it does until the next one, and vice versa.
   scene::Camera at(size_t camera, double seconds) const;
@@ -41,6 +48,7 @@ class CameraMotion {
  private:
   std::vector<scene::Camera> now_, previous_, next_;
   SceneMotion motion_;
+  uint32_t width_, height_;  // of the pictures
   double frameSeconds_;
 };
 

@@ -22,8 +22,7 @@ Settings withLongestExposure(const Settings& requested, const SceneState& moment
 
 RenderJob::RenderJob(std::span<const scene::Camera> cameras, const scene::Scene& scene, const Settings& requested,
                      const SceneState& moment, uint32_t rows)
-    : motion({cameras.begin(), cameras.end()}, moment.previousCameras, moment.nextCameras, moment.motion,
-             1 / requested.framesPerSecond),
+    : motion({cameras.begin(), cameras.end()}, moment.previousCameras, moment.nextCameras, moment.motion, requested),
       settings(withLongestExposure(requested, moment)),
       shutters(moment.shutters),
       readouts(moment.readouts),
