@@ -1,9 +1,12 @@
 // Motion through lenses, compared with scene::LensProjection in double precision; and samples of lenses.
+#include <gmock/gmock.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
+#include "base/error.h"
 #include "render/lens/lens_calibration.h"
 #include "render/submit/session.h"
 #include "render/support.h"
@@ -159,6 +162,36 @@ TEST_P(LensMotionTest, OfTheBackgroundFollowsTheRotation) {
     ++compared;
   }
   EXPECT_GT(compared, 100u);
+}
+
+// The motion of a pinhole camera to a camera with a lens that bends rays is not a projection by one matrix, and vice
+// versa.
+TEST_P(LensMotionTest, RejectsNeighborsOfTheOtherKind) {
+  const scene::Scene& scene = hall();
+  scene::Camera plain = cameraOf(scene, kSize, kSize), pinhole = plain, bent = plain;
+  pinhole.lens = scene::Lens{.width = 4, .height = 3, .fx = 4, .fy = 5, .cx = 2, .cy = 1};
+  bent.lens = GetParam().lens;
+  Settings motion = settingsOf(kSize, heightOf(GetParam()), {Aov::Motion}), temporal = motion, data = motion;
+  temporal.aovs = {Aov::Color};
+  temporal.aa.temporal = true;
+  data.aovs = {Aov::Depth};
+  Renderer renderer(device(), scene, nullptr);
+  const auto isRejected = [&](const scene::Camera& now, const SceneState& moment, const Settings& settings) {
+    try {
+      renderer.render({&now, 1}, settings, moment);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::Usage);
+      EXPECT_THAT(error.what(), testing::HasSubstr("lens that bends rays")) << error.what();
+      return true;
+    }
+    return false;
+  };
+  for (const auto& [now, other] : {std::pair{plain, bent}, {pinhole, bent}, {bent, plain}, {bent, pinhole}})
+    for (const SceneState& moment : {SceneState{.previousCameras = {other}}, SceneState{.nextCameras = {other}}}) {
+      EXPECT_TRUE(isRejected(now, moment, motion));
+      EXPECT_TRUE(isRejected(now, moment, temporal));
+      EXPECT_FALSE(isRejected(now, moment, data));
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Lenses, LensMotionTest, testing::ValuesIn(kLenses),

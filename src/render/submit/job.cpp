@@ -18,6 +18,11 @@ Settings withLongestExposure(const Settings& requested, const SceneState& moment
   return settings;
 }
 
+// Returns true if pictures depend on the projections of the previous and the next cameras.
+bool usesNeighbors(const Settings& settings) {
+  return requestsOutput(settings, Origin::Motion) || keepsHistory(settings);
+}
+
 }  // namespace
 
 RenderJob::RenderJob(std::span<const scene::Camera> cameras, const scene::Scene& scene, const Settings& requested,
@@ -66,13 +71,19 @@ scene::Camera RenderJob::cameraAt(size_t view, double seconds) const {
 
 std::array<scene::Lens, 2> RenderJob::neighborLenses(size_t view) const {
   const auto lensOf = [&](const std::vector<scene::Camera>& cameras) {
-    const bool moves = requestsOutput(settings, Origin::Motion) || settings.aa.temporal || keepsIndirect(settings);
-    const scene::Camera& camera = cameras.empty() || !moves ? now[view] : cameras[view];
-    if (!bendsRays(camera))
-      badUsage("the previous and next cameras of a camera with a lens that bends rays need such a lens as well");
-    return *camera.lens;
+    return *(cameras.empty() || !usesNeighbors(settings) ? now[view] : cameras[view]).lens;
   };
   return {lensOf(previous), lensOf(next)};
+}
+
+void RenderJob::checkNeighbors() const {
+  if (!usesNeighbors(settings)) return;
+  for (const auto* neighbors : {&previous, &next})
+    if (!std::ranges::equal(*neighbors, std::span(now).first(neighbors->size()), {}, bendsRays, bendsRays))
+      badUsage(
+          "a camera with a lens that bends rays needs such a lens in its previous and next cameras as well, and a "
+          "camera "
+          "without one needs neighbors without one");
 }
 
 shared::View RenderJob::viewOf(size_t view, const CameraSample& sample, const glm::dvec3& origin) const {

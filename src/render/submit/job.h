@@ -74,8 +74,11 @@ struct RenderJob {
   double secondsOf(size_t view, const CameraSample& sample) const;
   scene::Camera cameraAt(size_t view, double seconds) const;  // seconds from the view's own time
   const ThinLens& lensOf(size_t view) const { return lenses[pictureOf(view)]; }
-  // Returns the lenses of a view's camera in the previous and the next frame. Throws Error(Usage) if only one of its
-  // cameras has a lens that bends rays.
+  // Throws Error(Usage) if the pictures depend on a previous or next camera, and only this camera or the picture's has
+  // a lens that bends rays.
+  void checkNeighbors() const;
+  // Returns the lenses of a view's camera in the previous and the next frame. The view's camera has a lens that bends
+  // rays, and checkNeighbors() succeeds.
   std::array<scene::Lens, 2> neighborLenses(size_t view) const;
   // Returns the full picture's view.
   shared::View viewOf(size_t view, const CameraSample& sample, const glm::dvec3& origin) const;

@@ -165,6 +165,7 @@ void checkJob(const RenderJob& job, const scene::Scene& scene, const Settings& s
                            .exposes = job.exposes,
                            .byRows = job.rowsAreViews,
                            .refracts = job.rowsAreViews && transmits(scene, moment)});
+  job.checkNeighbors();
 }
 
 void checkTargets(const Settings& settings) {
