@@ -13,6 +13,7 @@
 #include "motion/files.h"
 #include "render/exposure/camera_motion.h"
 #include "render/exposure/camera_samples.h"
+#include "render/exposure/thin_lens.h"
 #include "render/frame/view.h"
 #include "render/submit/session.h"
 #include "render/support.h"
@@ -253,6 +254,34 @@ TEST_P(ExposureTest, FNumbersFollowTheFocalLength) {
   camera.aperture = scene::Aperture{.radius = 0.5 * radius};
   camera.focusDistance = 3;
   expectProfile(render(halfPlane(), camera, s), pixels * 0.5, diskBelow, 0.03);
+}
+
+// The focal length of a lens is its number of pixels per radian at the principal point: with 80 of 120 pixels, 16 mm of
+// a sensor 24 mm high, whose aperture at f/4 has a radius of 2 mm.
+TEST(ThinLens, HasTheFocalLengthOfTheLens) {
+  using scene::LensModel;
+  const scene::Lens lenses[] = {
+      {.model = LensModel::OpenCv, .distortion = {-0.2, 0.05, 1e-3, 2e-3}},
+      {.model = LensModel::Fisheye, .distortion = {-0.03, 0.01}},
+      {.model = LensModel::FTheta, .distortion = {0, 1, -0.1}},
+      {.model = LensModel::FTheta, .fx = 1, .fy = 1, .distortion = {0, 0.0125, 1e-6}},
+      {.model = LensModel::FTheta, .fx = 20, .fy = 20, .distortion = {0.01, 0.25}},
+  };
+  for (scene::Lens lens : lenses) {
+    lens.width = 160, lens.height = 120, lens.cx = 70, lens.cy = 65;
+    if (lens.fy == 0) lens.fx = lens.fy = 80;
+    scene::Camera camera = frontPerspective(0.6f, 4);
+    camera.lens = lens;
+    Settings s = settingsOf(320, 240, {Aov::Color});
+    s.sensorHeight = 24;
+    s.aperture.fNumber = 4;
+    EXPECT_NEAR(thinLensOf(camera, s, halfPlane()).radius, 0.002, 1e-9);
+    // 80 pixels per radian at the axis, by the projection itself.
+    const scene::LensProjection projection(lens);
+    const double above = lens.distortion[0] > 0 && lens.model == LensModel::FTheta ? lens.distortion[0] : 0;
+    const auto pixel = projection.project({0, std::sin(above + 1e-4), std::cos(above + 1e-4)});
+    EXPECT_NEAR(pixel.value().y - lens.cy, 80 * 1e-4, 1e-5);
+  }
 }
 
 // A lens without distortion blurs as a pinhole projection with an aperture does.

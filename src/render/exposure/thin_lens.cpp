@@ -20,6 +20,12 @@ bool focusesOnScene(const scene::Camera& camera, const Settings& settings) {
   return !camera.aperture.value_or(settings.aperture).isPinhole() && !focusOf(camera, settings);
 }
 
+// Returns the vertical focal length of a lens in pixels: the pixels per radian at the principal point. All models have
+// fy there except f-theta, whose polynomial may have any angle per unit of its distance.
+double focalLengthOf(const scene::Lens& lens) {
+  return lens.model == scene::LensModel::FTheta ? lens.fy / lens.distortion[1] : lens.fy;
+}
+
 ThinLens makeLens(const scene::Camera& camera, const Settings& s, const glm::dvec3& sceneCenter) {
   const scene::Aperture aperture = camera.aperture.value_or(s.aperture);
   if (aperture.isPinhole()) return {};
@@ -30,7 +36,7 @@ ThinLens makeLens(const scene::Camera& camera, const Settings& s, const glm::dve
   ThinLens lens{.radius = aperture.radius};
   if (aperture.fNumber > 0) {
     double halfHeights = makeView(camera, s.width, s.height).projection.V;  // focal length in half heights
-    if (bendsRays(camera)) halfHeights = 2 * scene::scaledTo(*camera.lens, s.width, s.height).fy / s.height;
+    if (bendsRays(camera)) halfHeights = 2 * focalLengthOf(*camera.lens) / camera.lens->height;
     const double focalLength = halfHeights * 0.5e-3 * s.sensorHeight;
     lens.radius = focalLength / (2 * aperture.fNumber);
   }
