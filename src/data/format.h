@@ -51,6 +51,8 @@ class Format {
   // before it is rendered: index, name, scene, variation, state, camera, the image's size, and in the metadata the
   // names of the scene and the camera.
   virtual std::vector<FormatFile> files(const DataFrame& frame) const = 0;
+  // Returns the files of a frame that writeSet() reads and other formats of the job must write. `frame` is as above.
+  virtual std::vector<std::string> filesOfOthers(const DataFrame& frame) const { return {}; }
 
   // Throws Error(Usage) if the format cannot store frames of this camera. `frame` has what is known before it is
   // rendered: the name (in the first variation, with the index 0), the camera, the exposure and the image's size.

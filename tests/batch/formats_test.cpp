@@ -436,6 +436,43 @@ TEST(FormatsOfABatch, FilmsHaveImagesOfOneSize) {
   EXPECT_EQ(plan(large).code, 0);
 }
 
+// A video consists of images that the job writes.
+TEST(FormatsOfABatch, FilmsHaveImages) {
+  Folder folder;
+  folder.write("ffmpeg", std::string_view("#!/bin/sh\n"));
+  std::filesystem::permissions(folder.path() / "ffmpeg", std::filesystem::perms::owner_all);
+  const auto plan = [&](const std::vector<std::string>& formats, bool dry = true) {
+    std::vector<std::string> all{"--scenes", "builtin:boxes", "-o", "set"};
+    for (const std::string& format : formats) all.insert(all.end(), {"--formats", format});
+    if (dry) all.emplace_back("--dry-run");
+    app::Command command = batch(folder, all);
+    command.environment["PATH"] = folder.path().string();
+    return latelight(command);
+  };
+  const auto video = [](const std::string& picture) {
+    return R"({"format": "video", "write-pictures": false, "picture": ")" + picture + R"("})";
+  };
+  for (const auto& formats : std::vector<std::vector<std::string>>{
+           {video("images/{name}.png")},
+           {video("rgb/{name}.png"), "coco"},
+           {R"({"format": "yolo", "write-pictures": false})", video("images/{name}.png")}}) {
+    const Outcome outcome = plan(formats, false), dry = plan(formats);
+    EXPECT_EQ(outcome.code, 2) << outcome.text();
+    EXPECT_EQ(dry.code, 2) << dry.text();
+    EXPECT_THAT(outcome.err, HasSubstr("which no format of the job writes"));
+    EXPECT_TRUE(filesOf(folder, "set").empty());
+  }
+  for (const auto& formats : std::vector<std::vector<std::string>>{
+           {"video"},
+           {video("images/{name}.png"), "coco"},
+           {"files", video("./{name}.png")},
+           {R"({"format": "depth-png", "unit": "kitti"})", video("depth/{name}.png")},
+           {R"({"format": "yolo", "write-pictures": false})"}}) {  // its files only name the images
+    const Outcome outcome = plan(formats);
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+  }
+}
+
 // COLMAP ends a name in images.txt at the first blank.
 TEST(FormatsOfABatch, ColmapsTextHasNoNamesWithBlanks) {
   Folder folder;

@@ -41,7 +41,21 @@ void FileClaims::add(const DataFrame& frame) {
     for (size_t number = 0; number < files.size(); ++number)
       add(files[number], {i, contentsOf(i, number, files[number]), frame.index, files[number].ofSet});
   }
+  for (size_t i = 0; i < job_.formats.size(); ++i)
+    for (const std::string& file : job_.formats[i].format->filesOfOthers(frame)) checkIsWritten(file, i);
   memory_.grow(std::exchange(bytes_, 0), "the names of the job's files");
+}
+
+void FileClaims::checkIsWritten(const std::string& file, size_t reader) const {
+  const std::string name = normalized(file);
+  if (files_.contains(name)) return;
+  for (size_t slash = name.find('/'); slash != std::string::npos; slash = name.find('/', slash + 1))
+    if (folders_.contains(std::string_view(name).substr(0, slash + 1))) return;
+  badUsage(
+      "formats: {} (formats[{}]) reads '{}', which no format of the job writes: remove \"write-pictures\": false, or "
+      "add "
+      "a format that writes these images and give their names with \"picture\"",
+      job_.formats[reader].name, reader, name);
 }
 
 void FileClaims::add(const FormatFile& file, const Claim& claim) {

@@ -19,8 +19,8 @@ class FileClaims {
   FileClaims(const Job& job, std::function<std::string(uint64_t)> frameName);
 
   // Adds the files that the job's formats write for a frame, and for the set to which it belongs. Throws Error(Usage)
-  // if one of them is a file of another frame, if another format writes other contents to it, and if it is one of the
-  // data set's own records.
+  // if one of them is a file of another frame, if another format writes other contents to it, if it is one of the data
+  // set's own records, and if a format reads a file of the frame that no format writes.
   void add(const DataFrame& frame);
 
  private:
@@ -39,6 +39,7 @@ class FileClaims {
 
   void add(const FormatFile& file, const Claim& claim);
   void insert(Claims& claims, std::string_view name, const Claim& claim);
+  void checkIsWritten(const std::string& file, size_t reader) const;
   void compare(std::string_view name, const Claim& claim, const Claims& others, std::string_view other) const;
   uint64_t contentsOf(size_t format, size_t number, const FormatFile& file);
   std::string describe(const Claim& claim) const;

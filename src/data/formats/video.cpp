@@ -119,6 +119,10 @@ class Video : public Format {
     return files;
   }
 
+  std::vector<std::string> filesOfOthers(const DataFrame& frame) const override {
+    return picture_.isWritten() ? std::vector<std::string>() : std::vector{picture_.file(frame)};
+  }
+
   // ffmpeg would scale images of other sizes to that of the first one. The first cameras of all scenes have one size,
   // because the job states the sizes of cameras.
   void checkTogether(const DataFrame& first, const DataFrame& other) const override {
