@@ -299,6 +299,9 @@ Measure measureOf(const AovInfo& aov) {
   if (holdsIntegers(aov.aov)) return Measure::Identity;
   if (aov.png == PngCoding::Signed) return Measure::Angle;
   if (aov.png == PngCoding::Display || aov.png == PngCoding::Srgb) return Measure::Color;
+  // Scene flow is a difference of positions: of surfaces that hardly move, only rounding is left, which has no relation
+  // to the length of the flow.
+  if (aov.aov == Aov::SceneFlow) return Measure::Difference;
   if (aov.unit == "m") return Measure::Relative;
   return aov.unit == "px" ? Measure::Pixels : Measure::Difference;
 }

@@ -81,6 +81,35 @@ TEST(CompareOutputs, PositionsAreRelativeToTheirLength) {
   EXPECT_NEAR(d.maximum, 12.0 / 13, 1e-12);
 }
 
+// The flow of a surface at rest is rounding: two flows of some 1e-7 m are alike, however different their lengths are.
+TEST(CompareOutputs, SceneFlowIsADifferenceInMeters) {
+  const auto flow = [](double x, double y, double z) {
+    return Channels{{"flow.X", {x}}, {"flow.Y", {y}}, {"flow.Z", {z}}};
+  };
+  const OutputDifference still = only(flow(1e-7, 0, 0), flow(-3e-7, 0, 2e-7));
+  EXPECT_EQ(still.measure, Measure::Difference);
+  EXPECT_NEAR(still.maximum, 4e-7, 1e-15);
+  EXPECT_EQ(still.beyond, 0u);
+  EXPECT_EQ(only(flow(0, 0.2, 0), flow(0, 0.20009, 0)).beyond, 0u);
+  EXPECT_EQ(only(flow(0, 0.2, 0), flow(0, 0.20011, 0)).beyond, 1u);
+}
+
+// The measures that docs/conventions.md lists.
+TEST(CompareOutputs, HasAMeasurePerOutput) {
+  const auto namesWith = [](Measure measure) {
+    std::vector<std::string_view> names;
+    for (const AovInfo& aov : aovs())
+      if (measureOf(aov) == measure) names.push_back(aov.name);
+    return names;
+  };
+  using testing::UnorderedElementsAre;
+  EXPECT_THAT(namesWith(Measure::Color), UnorderedElementsAre("color", "albedo", "emissive"));
+  EXPECT_THAT(namesWith(Measure::Relative), UnorderedElementsAre("depth", "distance", "position", "object-position"));
+  EXPECT_THAT(namesWith(Measure::Angle), UnorderedElementsAre("normal", "geonormal", "tangent", "bitangent"));
+  EXPECT_THAT(namesWith(Measure::Pixels), UnorderedElementsAre("motion"));
+  EXPECT_THAT(namesWith(Measure::Identity), UnorderedElementsAre("id", "part", "material", "triangle"));
+}
+
 TEST(CompareOutputs, NormalsAreAngles) {
   // 90 degrees apart; equal except for the length; background in both; background in one.
   const OutputDifference d = only({{"N.X", {1, 1, 0, 0}}, {"N.Y", {0, 0, 0, 1}}, {"N.Z", {0, 0, 0, 0}}},
