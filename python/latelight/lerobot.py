@@ -237,16 +237,27 @@ def _ffmpeg(arguments: Sequence[str], pictures: Sequence[Path], rate: float) -> 
 
 
 def _encode(path: Path, pictures: Sequence[Path], fps: float) -> None:
-    """An H.264 video with a key frame every other frame, so that readers find any frame quickly."""
+    """An H.264 video with a key frame every other frame, so that readers find any frame quickly.
+
+    The stream states its color space, which readers otherwise guess: BT.709 with sRGB's transfer function.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     _ffmpeg(
         [
             "-vf",
-            "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+            "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
             "-c:v",
             "libx264",
             "-pix_fmt",
             "yuv420p",
+            "-colorspace",
+            "bt709",
+            "-color_primaries",
+            "bt709",
+            "-color_trc",
+            "iec61966-2-1",
+            "-color_range",
+            "tv",
             "-crf",
             "18",
             "-g",

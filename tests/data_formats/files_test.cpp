@@ -1,5 +1,7 @@
 // The contents of the files of single frames, compared with closed forms and results computed by hand.
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -143,6 +145,44 @@ TEST_F(FormatFilesTest, FilmsNeedFfmpeg) {
               testing::HasSubstr("ffmpeg failed to encode"));
   setenv("PATH", path.c_str(), 1);
   EXPECT_FALSE(std::filesystem::exists(folder / "video.mp4"));
+}
+
+std::vector<uint8_t> outputOf(const std::string& command) {
+  std::vector<uint8_t> bytes;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (!pipe) return bytes;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) bytes.push_back(static_cast<uint8_t>(c));
+  pclose(pipe);
+  return bytes;
+}
+
+// BT.709 in limited range (ITU-R BT.709, item 3): Y' = 16 + 219 (0.2126 R' + 0.7152 G' + 0.0722 B'),
+// Cb = 128 + 224 (B' - Y) / 1.8556 and Cr = 128 + 224 (R' - Y) / 1.5748, where Y is the sum in parentheses.
+TEST_F(FormatFilesTest, FilmsStateTheirColors) {
+  if (outputOf("ffprobe -version 2>/dev/null").empty()) GTEST_SKIP() << "ffmpeg is not installed";
+  constexpr uint32_t kWidth = 32, kHeight = 16;
+  const auto format = make("video");
+  for (const auto& [color, code] : {std::pair{std::array<uint8_t, 3>{255, 0, 0}, std::array{63, 102, 240}},
+                                    {std::array<uint8_t, 3>{0, 255, 0}, std::array{173, 42, 26}}}) {
+    DataFrame frame{.name = "a"};
+    frame.picture = {kWidth, kHeight, {}, {}};
+    for (uint32_t i = 0; i < kWidth * kHeight; ++i)
+      frame.picture.display.insert(frame.picture.display.end(), {color[0], color[1], color[2], 255});
+    const FrameRecord record = format->writeFrame(frame, folder);
+    const std::string video = folder / format->writeSet(std::vector{record.entry}, folder).at(0);
+    const std::vector<uint8_t> tags = outputOf(
+        "ffprobe -v error -of csv=p=0 -show_entries "
+        "stream=color_range,color_space,color_transfer,color_primaries '" +
+        video + "'");
+    EXPECT_EQ(std::string(tags.begin(), tags.end()), "tv,bt709,iec61966-2-1,bt709\n");
+    const std::vector<uint8_t> planes = outputOf("ffmpeg -v error -i '" + video + "' -f rawvideo -pix_fmt yuv420p -");
+    ASSERT_EQ(planes.size(), kWidth * kHeight * 3 / 2);
+    const size_t pixel = kWidth * kHeight / 2 + kWidth / 2,
+                 chroma = kWidth * kHeight + kWidth * kHeight / 8 + kWidth / 4;
+    EXPECT_NEAR(planes[pixel], code[0], 1);
+    EXPECT_NEAR(planes[chroma], code[1], 1);
+    EXPECT_NEAR(planes[chroma + kWidth * kHeight / 4], code[2], 1);
+  }
 }
 
 // Intrinsics that are equal in all frames are written once, different ones with each frame.

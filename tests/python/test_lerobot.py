@@ -101,6 +101,14 @@ def test_the_videos(folder):
             check=True,
         ).stdout
         frames = np.frombuffer(raw, np.uint8).reshape(8, 48, 64, 3)
+        entries = "stream=color_range,color_space,color_transfer,color_primaries"
+        tags = subprocess.run(
+            ["ffprobe", "-v", "error", "-show_entries", entries, "-of", "csv=p=0", str(video)],
+            capture_output=True,
+            check=True,
+            text=True,
+        ).stdout
+        assert tags.strip() == "tv,bt709,iec61966-2-1,bt709"
         assert (frames[:, :, 63] < 24).all()
         assert len({frame.tobytes() for frame in frames}) >= 4
 

@@ -159,7 +159,9 @@ class Video : public Format {
     badUsage("can't write '{}': {}", file_, std::generic_category().message(error));
   }
 
-  // The number of threads is fixed and versions and times are not written, so equal pictures produce equal files.
+  // The number of threads is fixed and versions and times are not written, so equal pictures produce equal files. The
+  // stream states its color space, because players otherwise guess it from the size: BT.709's matrix and primaries, and
+  // sRGB's transfer function, which images for viewing have.
   std::vector<std::string> arguments() const {
     return {"ffmpeg",
             "-nostdin",
@@ -175,11 +177,19 @@ class Video : public Format {
             "-i",
             "pipe:0",
             "-vf",
-            "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+            "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
             "-c:v",
             "libx264",
             "-pix_fmt",
             "yuv420p",
+            "-colorspace",
+            "bt709",
+            "-color_primaries",
+            "bt709",
+            "-color_trc",
+            "iec61966-2-1",
+            "-color_range",
+            "tv",
             "-threads",
             "4",
             "-fflags",
