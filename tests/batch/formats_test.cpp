@@ -96,6 +96,21 @@ variations:
   EXPECT_EQ(shown, (std::set<size_t>{0, 1}));
 }
 
+// Quotation marks as RFC 4180 defines them. Readers of tables end an unquoted field at the next one.
+TEST(FormatsOfABatch, ScannetsLabelsAreQuoted) {
+  Folder folder;
+  const Outcome outcome = latelight(batch(
+      folder, {"--scenes", "builtin:boxes", "--formats",
+               R"({"format": "scannet", "categories": {"floor": "\"big\" floor", "matte": "a\tb", "metal": "c"}})",
+               "-o", "set"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_EQ(folder.read("set/scans/scene0000_00/labels.tsv"),
+            "id\traw_category\tcategory\n"
+            "1\t\"\"\"big\"\" floor\"\t\"\"\"big\"\" floor\"\n"
+            "2\ta b\ta b\n"
+            "3\tc\tc\n");
+}
+
 // Each copy has a keypoint at its own center, 2 m from the next one.
 TEST(FormatsOfABatch, KeypointsOfCopiesMoveWithThem) {
   Folder folder;

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "data/formats/camera_support.h"
 #include "data/formats/depth_png.h"
 #include "data/formats/formats.h"
@@ -154,13 +155,22 @@ class Scannet : public Format {
     return fmt::format("{}/{}/{}.{}", scanOf(frame), image.folder, frame.camera, image.extension);
   }
 
+  // Returns a field of a tab-separated table as RFC 4180 defines it for commas: text with quotation marks is quoted,
+  // and its marks are doubled. White space that ends a field or a line becomes a space, because many readers of such
+  // tables split lines at tabs.
+  static std::string field(std::string text) {
+    std::ranges::replace_if(
+        text, [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
+    if (text.find('"') == std::string::npos) return text;
+    replaceAll(text, "\"", "\"\"");
+    return '"' + text + '"';
+  }
+
   // The first columns of scannetv2-labels.combined.tsv.
   static std::string labelText(const Json& labels) {
     std::string text = "id\traw_category\tcategory\n";
     for (size_t i = 0; i < labels.size(); ++i) {
-      std::string name = labels[i];
-      std::ranges::replace_if(
-          name, [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
+      const std::string name = field(labels[i]);
       text += fmt::format("{}\t{}\t{}\n", i + 1, name, name);
     }
     return text;
