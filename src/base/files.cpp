@@ -20,6 +20,7 @@
 #include "base/parallel.h"
 #include "base/temporary_file.h"
 #include "base/text.h"
+#include "base/write.h"
 
 namespace latelight {
 namespace fs = std::filesystem;
@@ -48,17 +49,6 @@ class File {
   int fd_;
 };
 
-// 0 or an errno.
-int writeAll(int fd, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = write(fd, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return errno;
-    bytes = bytes.subspan(static_cast<size_t>(written));
-  }
-  return 0;
-}
-
 // Returns 0 or an errno. `size` is the size that the file reports; pipes and files in /proc report 0.
 int readAll(int fd, size_t size, std::vector<std::byte>& bytes) {
   constexpr size_t kChunk = size_t{1} << 16;
@@ -84,14 +74,6 @@ int readAll(int fd, size_t size, std::vector<std::byte>& bytes) {
 
 [[noreturn]] void failToRead(const fs::path& path, const std::string& why) {
   badInput("can't read '{}': {}; check the path", path.string(), why);
-}
-
-[[noreturn]] void failToWrite(const fs::path& path, int error) {
-  const char* advice = "choose a place that can be written to";
-  if (error == ENOENT || error == ENOTDIR) advice = "make its folder first, or choose another";
-  if (error == ENOSPC || error == EDQUOT || error == EFBIG) advice = "free some space there, or choose another place";
-  if (error == ELOOP) advice = "its links lead in a circle: remove them, or choose another place";
-  badUsage("can't write '{}': {}; {}", path.string(), reason(error), advice);
 }
 
 // The target of a write, and what exists there.

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
@@ -20,6 +21,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/write.h"
 #include "small_disk.h"
 
 namespace latelight {
@@ -167,6 +169,24 @@ TEST_F(Files, KeepTheOldOneWhenTheDiskIsFull) {
   EXPECT_EQ(WEXITSTATUS(status), 42);
   EXPECT_EQ(textOf(readFile(folder / "f")), "old");
   EXPECT_EQ(entries(), 1u);
+}
+
+// The write that reaches the limit is short, and the next one has the reason.
+TEST_F(Files, AFileSizeLimitIsTheReason) {
+  const pid_t child = fork();
+  if (child == 0) {
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{1000, 1000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    const int fd = open((folder / "f").c_str(), O_WRONLY | O_CREAT, 0600);
+    _exit(writeAll(fd, bytesOf(std::string(5000, 'n'))));
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(WEXITSTATUS(status), EFBIG);
+  EXPECT_EQ(textOf(readFile(folder / "f")), std::string(1000, 'n'));
+  EXPECT_THAT(sentence(ExitCode::Usage, [&] { failToWrite("f", EFBIG); }),
+              AllOf(HasSubstr("can't write 'f'"), HasSubstr("file size limit")));
 }
 
 TEST_F(Files, AppearWhole) {

@@ -2,13 +2,19 @@
 // end a batch between frames.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
 #include "batch/sets.h"
+#include "data/batch/shard_log.h"
 #include "small_disk.h"
 
 namespace latelight::data {
@@ -139,6 +145,33 @@ TEST(Failures, AFullDiskLeavesOnlyWholeFrames) {
   const Outcome resumed = latelight(into("disk/set", {"--resume"}));
   EXPECT_EQ(resumed.code, 0) << resumed.text();
   expectSame(filesOf(folder, "disk/set"), whole);
+}
+
+// Lines of a shard's log that do not fit are not of a full disk.
+TEST(Failures, AFileSizeLimitIsTheReason) {
+  Folder folder;
+  const fs::path path = folder.path() / "shard.jsonl";
+  const pid_t child = fork();
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{1000, 1000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    ShardLog log(path, {.plan = 1});
+    for (uint64_t i = 0; i < 100; ++i) log.finished({.index = i, .name = "a frame"});
+    std::string message;
+    try {
+      log.end();
+    } catch (const Error& error) {
+      message = error.what();
+    }
+    _exit(message.find("File too large; raise the file size limit") == std::string::npos);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  const size_t frames = readShardLog(path).frames.size();  // only whole lines
+  EXPECT_GE(frames, 1u);
+  EXPECT_LT(frames, 100u);
 }
 
 TEST(Failures, PlacesWhereNothingCanBeMade) {

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <optional>
 #include <string_view>
 
@@ -12,6 +11,7 @@
 #include "base/files.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "base/write.h"
 #include "data/json_text.h"
 
 namespace latelight::data {
@@ -114,7 +114,7 @@ ShardLog::ShardLog(const fs::path& path, const Manifest& found) : path_(path), f
   writeFile(path, std::as_bytes(std::span(text)));
   size_ = static_cast<int64_t>(text.size());
   fd_ = open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
-  if (fd_ < 0) badUsage("can't write to '{}': {}", path.string(), std::strerror(errno));
+  if (fd_ < 0) failToWrite(path, errno);
 }
 
 ShardLog::~ShardLog() {
@@ -137,7 +137,7 @@ void ShardLog::failed(const std::string& name, const std::string& why) {
 
 void ShardLog::end() {
   const std::lock_guard lock(mutex_);
-  if (const int error = append()) badUsage("can't write to '{}': {}", path_.string(), std::strerror(error));
+  if (const int error = append()) failToWrite(path_, error);
 }
 
 uint64_t ShardLog::frames() const {
@@ -156,17 +156,12 @@ void ShardLog::add(const std::string& line) {
 }
 
 int ShardLog::append() {
-  while (!waiting_.empty()) {
-    const ssize_t written = write(fd_, waiting_.data(), waiting_.size());
-    if (written == static_cast<ssize_t>(waiting_.size())) {
-      size_ += written;
-      waiting_.clear();
-    } else if (written >= 0 || errno != EINTR) {
-      const int error = written < 0 ? errno : ENOSPC;
-      // Remove the partial line, so that the next line does not begin after it.
-      return ftruncate(fd_, size_) == 0 ? error : errno;
-    }
+  if (const int error = writeAll(fd_, std::as_bytes(std::span(waiting_)))) {
+    // Remove the partial line, so that the next line does not begin after it.
+    return ftruncate(fd_, size_) == 0 ? error : errno;
   }
+  size_ += static_cast<int64_t>(waiting_.size());
+  waiting_.clear();
   return 0;
 }
 

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/temporary_file.h"
+#include "base/write.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/options.h"
@@ -144,21 +145,17 @@ class Video : public Format {
     std::error_code ignored;  // errors are reported when the file is opened
     fs::create_directories(path.parent_path(), ignored);
     TemporaryFile file(path, 0666);
-    if (file.error() != 0) cantWrite(file.error());
+    if (file.error() != 0) failToWrite(path, file.error());
     Ffmpeg ffmpeg(arguments(), file.get());
     bool made = true;
     for (const Json& entry : entries) made = made && ffmpeg.send(readFile(folder / entry.get<std::string>()));
     if (!ffmpeg.finish() || !made)
       badUsage("ffmpeg failed to encode '{}'; check that the disk is not full", path.string());
-    if (const int error = file.become(path)) cantWrite(error);
+    if (const int error = file.become(path)) failToWrite(path, error);
     return {file_};
   }
 
  private:
-  [[noreturn]] void cantWrite(int error) const {
-    badUsage("can't write '{}': {}", file_, std::generic_category().message(error));
-  }
-
   // The number of threads is fixed and versions and times are not written, so equal pictures produce equal files. The
   // stream states its color space, because players otherwise guess it from the size: BT.709's matrix and primaries, and
   // sRGB's transfer function, which images for viewing have.

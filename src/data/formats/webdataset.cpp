@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/temporary_file.h"
+#include "base/write.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/options.h"
@@ -51,16 +52,6 @@ class OpenFile {
       if (const int error = writeAll(target, std::span(buffer).first(static_cast<size_t>(bytes)))) return error;
       range.offset += static_cast<uint64_t>(bytes);
       range.bytes -= static_cast<uint64_t>(bytes);
-    }
-    return 0;
-  }
-
-  static int writeAll(int target, std::span<const std::byte> bytes) {
-    while (!bytes.empty()) {
-      const ssize_t written = write(target, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) return written < 0 ? errno : ENOSPC;
-      bytes = bytes.subspan(static_cast<size_t>(written));
     }
     return 0;
   }
@@ -191,12 +182,12 @@ class WebDataset : public Format {
   static void write(const fs::path& path, const std::vector<Piece>& pieces) {
     TemporaryFile file(path, 0666);
     const auto check = [&](int error) {
-      if (error != 0) badUsage("can't write '{}': {}", path.string(), std::generic_category().message(error));
+      if (error != 0) failToWrite(path, error);
     };
     check(file.error());
     for (const Piece& piece : pieces) check(OpenFile(piece.file).copy(piece.range, file.get()));
     const std::vector<std::byte> end(kTarEndBytes);
-    check(OpenFile::writeAll(file.get(), end));
+    check(writeAll(file.get(), end));
     check(file.become(path));
   }
 
