@@ -1,5 +1,8 @@
 // Scattered objects: their allowed positions, and their distances from each other.
+#include <array>
+#include <cmath>
 #include <set>
+#include <stdexcept>
 
 #include "data/random.h"
 #include "data/variations/oriented_box.h"
@@ -125,6 +128,53 @@ TEST(ScatterTest, SaysHowManyFoundNoPlace) {
   const Json said = varied.variations.apply(1)[0];
   EXPECT_EQ(said["wanted"], 50);
   EXPECT_EQ(said["objects"].size(), 1u);  // a cube of 1.5 m in one of 2 m
+}
+
+// Pearson's statistic of shares in [0, 1) over ten equal bins, against the uniform distribution.
+double chiSquared(const std::vector<double>& shares) {
+  constexpr size_t kBins = 10;
+  std::array<double, kBins> counts{};
+  for (const double share : shares) ++counts[std::min(kBins - 1, static_cast<size_t>(share * kBins))];
+  const double expected = static_cast<double>(shares.size()) / kBins;
+  double sum = 0;
+  for (const double count : counts) sum += (count - expected) * (count - expected) / expected;
+  return sum;
+}
+
+constexpr double kChiSquaredLimit = 27.88;  // exceeded with the probability 0.001 for nine degrees of freedom
+
+// Returns the scales and the turns in degrees of an object that `spec` scatters. Each variation must place it.
+std::pair<std::vector<double>, std::vector<double>> scalesAndTurns(const std::string& spec) {
+  Varied varied(spec);
+  std::pair<std::vector<double>, std::vector<double>> drawn;
+  for (uint64_t n = 0; n < 1000; ++n) {
+    const Json said = varied.variations.apply(n)[0];
+    if (said["objects"].size() != 1) throw std::logic_error("an object was not placed");
+    const Json& rows = said["objects"][0]["transform"];  // a rotation about Y in the file's frame, scaled
+    const double cosine = rows[0][0], sine = rows[0][2];
+    drawn.first.push_back(std::hypot(cosine, sine));
+    drawn.second.push_back(glm::degrees(std::atan2(sine, cosine)));
+  }
+  return drawn;
+}
+
+// A cube of 1.5 m in a volume of 2 m. The center of the largest one has 614 times less space than that of the
+// smallest one.
+TEST(ScatterTest, ScalesAreUniformWhereLargeObjectsHardlyFit) {
+  std::vector<double> shares = scalesAndTurns(R"([{"type": "scatter", "objects": [{"node": "matte"}], "count": 1,
+      "min": [0, 5, 0], "max": [2, 7, 2], "turn": 0, "scale": [0.2, 1.2], "tries": 1000000}])")
+                                   .first;
+  for (double& share : shares) share -= 0.2;
+  EXPECT_LT(chiSquared(shares), kChiSquaredLimit);
+}
+
+// A cube of 1.35 m is 1.91 m wide if it is turned by 45 degrees.
+TEST(ScatterTest, TurnsAreUniformWhereTurnedObjectsHardlyFit) {
+  std::vector<double> shares = scalesAndTurns(R"([{"type": "scatter", "objects": [{"node": "matte"}], "count": 1,
+      "min": [0, 5, 0], "max": [2, 7, 2], "turn": [0, 45], "scale": 0.9, "tries": 1000000}])")
+                                   .second;
+  for (double& share : shares) share /= 45;
+  EXPECT_LT(chiSquared(shares), kChiSquaredLimit);
 }
 
 TEST(ScatterTest, TakesWholeFilesAsOneObject) {

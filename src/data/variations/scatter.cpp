@@ -102,16 +102,18 @@ class Scatter : public Variation {
     return boxes;
   }
 
-  // Returns the transform that moves the template to a free random position, or nullopt if all tries fail.
+  // Returns the transform that moves the template to a free random position, or nullopt if all tries fail. Scale and
+  // turn are drawn only once: if each try drew them again, objects that fit easily would be more frequent, so that
+  // neither would be uniform.
   std::optional<dmat4> findPlace(const ObjectTemplate& object, Random& random, const Draft& draft) const {
+    const double scale = random.between(scale_.low, scale_.high);
+    dmat4 place = turnAbout({0, 0, 1}, random.between(turn_.low, turn_.high));
+    for (int axis = 0; axis < 3; ++axis) place[axis] *= scale;
+    // The anchor is the center of the box's underside on a surface, and the center of the box in a volume.
+    dvec3 anchor = object.box.center;
+    if (surface_) anchor -= object.box.half[2];
     for (uint64_t tried = 0; tried < tries_; ++tried) {
       throwIfStopped();
-      const double scale = random.between(scale_.low, scale_.high);
-      dmat4 place = turnAbout({0, 0, 1}, random.between(turn_.low, turn_.high));
-      for (int axis = 0; axis < 3; ++axis) place[axis] *= scale;
-      // The anchor is the center of the box's underside on a surface, and the center of the box in a volume.
-      dvec3 anchor = object.box.center;
-      if (surface_) anchor -= object.box.half[2];
       const dvec3 at = surface_ ? surface_->point(random) : pointInVolume(random, draft.scene);
       place[3] = dvec4(at - dvec3(place * dvec4(anchor, 0)), 1);
       if (isFree(transformed(object.box, place), draft)) return place;
