@@ -151,6 +151,47 @@ TEST(Resume, ADamagedFileIsFoundAndMadeAgain) {
   expectSame(filesOf(folder, "set"), before);
 }
 
+// A batch would replace the files to which they lead.
+TEST(Resume, LinksThatLeadOutOfTheSetAreRejected) {
+  Folder folder;
+  ASSERT_EQ(latelight(small(folder, {})).code, 0);
+  const auto before = filesOf(folder, "set");
+  const auto verify = [&] { return latelight({.arguments = {"batch", "verify", "set"}, .folder = folder.path()}); };
+  const auto expectRejected = [&](const std::string& link, const fs::path& target) {
+    const fs::path path = folder.path() / "set" / link;
+    fs::create_symlink(target, path);
+    const std::string sentence = "'set/" + link + "' is a link that does not lead to a file of the data set";
+    const Outcome resumed = latelight(small(folder, {"--resume"}, "5"));
+    EXPECT_EQ(resumed.code, 2) << resumed.text();
+    EXPECT_THAT(resumed.err, HasSubstr(sentence));
+    const Outcome verified = verify();
+    EXPECT_EQ(verified.code, 3) << verified.text();
+    EXPECT_THAT(verified.err, HasSubstr(sentence));
+    const Outcome merged = latelight({.arguments = {"batch", "merge", "set"}, .folder = folder.path()});
+    EXPECT_EQ(merged.code, 2) << merged.text();
+    fs::remove(path);
+  };
+  folder.write("mine", before.at("000001.png"));  // verify compares its contents, which are the same
+  fs::create_directory(folder.path() / "others");
+  fs::remove(folder.path() / "set/000001.png");
+  for (const fs::path& target : {folder.path() / "mine", fs::path("../mine")}) expectRejected("000001.png", target);
+  expectRejected("000004.png", "../missing");
+  expectRejected("000004.png", "000004.png");
+  expectRejected("more", folder.path() / "others");
+  expectRejected("set", "..");
+  EXPECT_EQ(folder.read("mine"), before.at("000001.png"));
+  EXPECT_FALSE(fs::exists(folder.path() / "missing"));
+  // Links in the set, and to it.
+  fs::rename(folder.path() / "set", folder.path() / "others/there");
+  fs::create_symlink("others/there", folder.path() / "set");
+  folder.write("set/stored", before.at("000001.png"));
+  fs::create_symlink("stored", folder.path() / "set/000001.png");
+  fs::create_symlink(folder.path() / "set", folder.path() / "set/itself");
+  EXPECT_EQ(verify().code, 0);
+  EXPECT_EQ(latelight(small(folder, {"--resume"}, "5")).code, 0);
+  EXPECT_EQ(verify().code, 0);
+}
+
 TEST(Resume, AChangedSceneIsRenderedAgain) {
   Folder folder;
   const std::string gltf = kCameraAlone;

@@ -64,6 +64,34 @@ bool isFinished(const SetFolder& set, const Plan& plan, const FinishedFrame& fra
          std::ranges::all_of(frame.archives, [&](const FileRecord& file) { return isRecorded(set, file); });
 }
 
+// Returns one sentence per symbolic link below the set's folder that does not lead to anything in it. A process that
+// followed such a link would replace or remove files that are not of the set. The folder itself may be a link.
+std::vector<std::string> wrongLinks(const SetFolder& set) {
+  constexpr auto kSkip = fs::directory_options::skip_permission_denied;
+  std::vector<std::string> sentences;
+  std::error_code error;
+  const fs::path folder = fs::canonical(set.path(), error);
+  if (error) return {};
+  for (fs::recursive_directory_iterator entry(folder, kSkip, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code unresolved;  // the link is dangling or circular
+    if (!entry->is_symlink(unresolved)) continue;
+    const fs::path target = fs::canonical(entry->path(), unresolved);
+    if (!unresolved && *target.lexically_relative(folder).begin() != "..") continue;
+    sentences.push_back(
+        fmt::format("'{}' is a link that does not lead to a file of the data set: remove it, and run the job with "
+                    "--resume",
+                    (set.path() / entry->path().lexically_relative(folder)).string()));
+  }
+  std::ranges::sort(sentences);
+  return sentences;
+}
+
+void requireOwnFiles(const SetFolder& set) {
+  const std::vector<std::string> wrong = wrongLinks(set);
+  if (!wrong.empty()) badUsage("{}", wrong.front());
+}
+
 // Creates the formats of a stored job document. They do not depend on the output folder, which it lacks.
 std::vector<JobFormat> formatsOf(const Json& job) {
   std::vector<JobFormat> all;
@@ -212,6 +240,7 @@ bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resu
   if (hasFiles && !isSet) badUsage("'{}' is not an empty folder; choose another for the data set", name);
   if (isSet && !resume && !isOfOthers(set, job, shard))
     badUsage("'{}' already contains a data set: add --resume to complete it, or choose another folder", name);
+  if (resume) requireOwnFiles(set);
   const bool isNew = fs::create_directories(set.state(), error);
   if (error) badUsage("can't create the folder '{}': {}", set.state().string(), error.message());
   const std::string text = dumped(job.document) + "\n";
@@ -288,11 +317,14 @@ std::vector<std::string> verifySet(const SetFolder& set, const SetStatus& status
       }
   });
   std::erase(wrong, "");
+  const std::vector<std::string> links = wrongLinks(set);
+  wrong.insert(wrong.end(), links.begin(), links.end());
   return wrong;
 }
 
 void mergeSet(const SetFolder& set, bool allowMissing) {
   requireSet(set);
+  requireOwnFiles(set);
   for (const fs::path& shard : set.shards()) const SetLock atWork(shard);
   const SetLock lock(set.state() / "merge", true);
   SetStatus status = readStatus(set);

@@ -54,7 +54,7 @@ class SetLock {
 
 // Creates the folder and writes the job's document. Throws Error(Usage) if the folder contains files of anything but a
 // data set. Without `resume`, also throws if it contains a data set, unless only other shards of this job have written
-// to it. Returns true if it created the set.
+// to it; with `resume`, if the set has a link that leads out of its folder. Returns true if it created the set.
 bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume);
 
 // Removes a set that openSet() created and that holds nothing but the job and the lock of this shard, which the caller
@@ -75,12 +75,13 @@ struct SetStatus {
 // Throws Error(BadInput) if the folder contains no set.
 SetStatus readStatus(const SetFolder& set);
 
-// Compares all files with the manifests. Returns one sentence per missing or changed file; empty if there is none.
+// Compares all files with the manifests. Returns one sentence per missing or changed file, and per link that leads out
+// of the folder; empty if there is none.
 std::vector<std::string> verifySet(const SetFolder& set, const SetStatus& status);
 
 // Merges the shards' manifests, writes the formats' files of the whole set, and removes stale files. Throws
 // Error(SomeFramesFailed) if frames are missing and `allowMissing` is false, and Error(Usage) if a shard is still
-// running.
+// running or a link leads out of the folder.
 void mergeSet(const SetFolder& set, bool allowMissing);
 // Merges the set if no frame is missing. Every shard calls it at its end, so the last one completes the set.
 void mergeIfComplete(const SetFolder& set);
