@@ -22,6 +22,12 @@ struct FrameRecord {
   nlohmann::ordered_json entry;    // the frame's data for writeSet(), in the format's own structure; null if none
 };
 
+// The input of Format::writeSet().
+struct SetEntries {
+  std::span<const nlohmann::ordered_json> frames;       // FrameRecord::entry, in the order of the frames' indices
+  std::span<const nlohmann::ordered_json> scenes = {};  // Format::sceneEntry(), in the order of the job's scenes
+};
+
 // A file that a format writes, stated before anything is rendered.
 struct FormatFile {
   // Relative to the data set's folder. A slash at its end stands for any files in that folder.
@@ -66,10 +72,12 @@ class Format {
   // Error(Usage) if a file cannot be written.
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const;
 
-  // Writes the files of the whole set from the entries of all frames, in the order of the frames' indices. Returns the
-  // files' names relative to `folder`.
-  virtual std::vector<std::string> writeSet(std::span<const nlohmann::ordered_json> entries,
-                                            const std::filesystem::path& folder) const {
+  // Returns a scene's data for writeSet(), in the format's own structure; null if none. `ids`: of all variations of the
+  // scene. Unlike the entries of frames, it does not depend on what is visible.
+  virtual nlohmann::ordered_json sceneEntry(const output::IdManifest& ids) const { return nullptr; }
+
+  // Writes the files of the whole set. Returns the files' names relative to `folder`.
+  virtual std::vector<std::string> writeSet(const SetEntries& set, const std::filesystem::path& folder) const {
     return {};
   }
   // Returns the name under which the format stores a frame, if it cannot store all names as they are. Names of

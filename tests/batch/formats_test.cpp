@@ -10,6 +10,7 @@
 #include <set>
 
 #include "batch/sets.h"
+#include "scene/builtin/builtin.h"
 
 namespace latelight::data {
 namespace {
@@ -94,6 +95,49 @@ variations:
   const auto manifest = nlohmann::json::parse(files.at("manifest.json"));
   for (const auto& frame : manifest["frames"]) shown.insert(frame["drawn"][0]["visible"].size());
   EXPECT_EQ(shown, (std::set<size_t>{0, 1}));
+}
+
+// Runs a job with the formats coco and yolo, and expects these categories in both.
+void expectCategories(const Folder& folder, const std::string& from, const std::string& job,
+                      std::vector<std::string> options, const std::set<std::string>& names) {
+  const std::string formats = "formats: [{{format: coco, categories: {0}}}, {{format: yolo, categories: {0}}}]\n";
+  folder.write("job.yaml",
+               fmt::format(fmt::runtime(formats), from) + "output: set\ncameras: {type: orbit, count: 1}\n" + job);
+  options.insert(options.begin(), "job.yaml");
+  const Outcome outcome = latelight(batch(folder, options));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const auto files = filesOf(folder, "set");
+  auto expected = nlohmann::json::array();
+  std::string yolo = "names:\n";
+  for (const std::string& name : names) {
+    yolo += fmt::format("  {}: \"{}\"\n", expected.size(), name);
+    expected.push_back({{"id", expected.size() + 1}, {"name", name}, {"supercategory", ""}});
+  }
+  EXPECT_EQ(nlohmann::json::parse(files.at("annotations/instances.json"))["categories"], expected);
+  EXPECT_THAT(files.at("data.yaml"), testing::EndsWith(yolo));
+}
+
+// A training and a validation set have the same numbers, whatever their variations show.
+TEST(FormatsOfABatch, CategoriesAreThoseOfTheScenes) {
+  std::set<std::string> nodes;
+  for (const scene::BoxesBox& box : scene::boxesBoxes()) nodes.insert(fmt::format("/boxes/{}", box.name));
+  const std::string boxes = "scenes: builtin:boxes\n";
+  const auto visible = [](int count) {
+    return fmt::format("variations: [{{type: visibility, nodes: '*', visible: {}}}]\n", count);
+  };
+  for (const char* seed : {"7", "8"}) expectCategories(Folder(), "node", boxes + visible(2), {"--seed", seed}, nodes);
+  const Folder folder;
+  expectCategories(folder, "node", boxes + visible(0), {}, nodes);
+  expectCategories(folder, "node", boxes + visible(0), {"--repeat", "2", "--resume"}, nodes);
+  nodes.insert("/a-0");
+  expectCategories(folder, "node", boxes + R"(
+variations:
+  - {type: visibility, nodes: "*", visible: 0}
+  - {type: scatter, objects: [{node: matte}], count: [0, 1], min: [90, 90, 90], max: [95, 95, 95], name: a}
+)",
+                   {"--resume"}, nodes);
+  expectCategories(Folder(), "mesh", "scenes: ['builtin:spheres', 'builtin:boxes']\n" + visible(0), {},
+                   {"cube", "sphere"});
 }
 
 // Quotation marks as RFC 4180 defines them. Readers of tables end an unquoted field at the next one.

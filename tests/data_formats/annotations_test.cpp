@@ -26,7 +26,7 @@ class AnnotationsTest : public FormatsTest {
     const DataFrame frame = studio.frame(squaresCamera(perspective), 128, 128, {format.get()}, 3);
     FrameRecord record = format->writeFrame(frame, folder);
     const std::vector<Json> entries{record.entry};
-    for (std::string& file : format->writeSet(entries, folder)) record.files.push_back(std::move(file));
+    for (std::string& file : format->writeSet({entries}, folder)) record.files.push_back(std::move(file));
     return record;
   }
   std::string text(const std::string& file) const {

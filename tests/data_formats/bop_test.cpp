@@ -71,7 +71,7 @@ class BopTest : public FormatsTest {
     return format->writeFrame(frame, folder).entry;
   }
   std::vector<uint32_t> idsOf(const std::vector<Json>& entries, const Json& options = Json::object()) {
-    make("bop", options)->writeSet(entries, folder);
+    make("bop", options)->writeSet({entries}, folder);
     const Json poses = json("train/000000/scene_gt.json");
     std::vector<uint32_t> ids;
     for (const auto& [image, objects] : poses.items())

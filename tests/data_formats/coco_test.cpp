@@ -23,7 +23,7 @@ class CocoTest : public FormatsTest {
       EXPECT_EQ(record.files, std::vector{fmt::format("images/{:06}.png", i)});
       entries.push_back(std::move(record.entry));
     }
-    EXPECT_EQ(format->writeSet(entries, folder), std::vector<std::string>{"annotations/instances.json"});
+    EXPECT_EQ(format->writeSet({entries}, folder), std::vector<std::string>{"annotations/instances.json"});
     return json("annotations/instances.json");
   }
 };
@@ -59,6 +59,18 @@ TEST_F(CocoTest, CategoriesOfAMapping) {
   ASSERT_EQ(set["annotations"].size(), 4u);  // "cut" belongs to none of them
   for (const Json& annotation : set["annotations"])
     EXPECT_EQ(annotation["category_id"], annotation["node"] == "/squares/front" ? 2 : 3);
+}
+
+// Those of the scene come first. Frames may have others, if the scene changed since they were rendered.
+TEST_F(CocoTest, CategoriesOfScenesAndFrames) {
+  const std::unique_ptr<Format> format = make("coco");
+  const auto entry = [](const char* category) { return Json{{"id", 0}, {"objects", {{{"category", category}}}}}; };
+  const std::vector<Json> frames{entry("b"), entry("a"), entry("c")}, scenes{{"d", "b"}, nullptr, {"c", "b"}};
+  format->writeSet({frames, scenes}, folder);
+  std::vector<std::string> names;
+  const Json set = json("annotations/instances.json");
+  for (const Json& category : set["categories"]) names.push_back(category["name"]);
+  EXPECT_EQ(names, (std::vector<std::string>{"b", "c", "d", "a"}));
 }
 
 std::string saidOfOptions(const Json& options) try {

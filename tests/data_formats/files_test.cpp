@@ -141,7 +141,7 @@ TEST_F(FormatFilesTest, FilmsNeedFfmpeg) {
   std::ofstream(folder / "ffmpeg") << "#!/bin/sh\nexit 1\n";
   std::filesystem::permissions(folder / "ffmpeg", std::filesystem::perms::owner_all);
   std::ofstream(folder / "a.png") << std::string(1 << 20, 'x');  // more than a socket accepts at once
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { make("video")->writeSet(std::vector<Json>{"a.png"}, folder); }),
+  EXPECT_THAT(sentence(ExitCode::Usage, [&] { make("video")->writeSet({std::vector<Json>{"a.png"}}, folder); }),
               testing::HasSubstr("ffmpeg failed to encode"));
   setenv("PATH", path.c_str(), 1);
   EXPECT_FALSE(std::filesystem::exists(folder / "video.mp4"));
@@ -169,7 +169,7 @@ TEST_F(FormatFilesTest, FilmsStateTheirColors) {
     for (uint32_t i = 0; i < kWidth * kHeight; ++i)
       frame.picture.display.insert(frame.picture.display.end(), {color[0], color[1], color[2], 255});
     const FrameRecord record = format->writeFrame(frame, folder);
-    const std::string video = folder / format->writeSet(std::vector{record.entry}, folder).at(0);
+    const std::string video = folder / format->writeSet({std::vector{record.entry}}, folder).at(0);
     const std::vector<uint8_t> tags = outputOf(
         "ffprobe -v error -of csv=p=0 -show_entries "
         "stream=color_range,color_space,color_transfer,color_primaries '" +
@@ -197,7 +197,7 @@ TEST_F(FormatFilesTest, TransformsOfSeveralCameras) {
     EXPECT_THAT(record.files, testing::IsEmpty());
     entries.push_back(record.entry);
   }
-  transforms->writeSet(entries, folder);
+  transforms->writeSet({entries}, folder);
   const Json different = json("transforms.json");
   EXPECT_FALSE(different.contains("fl_x"));
   EXPECT_NEAR(different["frames"][0]["fl_x"].get<double>(), 16 / std::tan(0.25), 1e-4);
@@ -205,7 +205,7 @@ TEST_F(FormatFilesTest, TransformsOfSeveralCameras) {
   EXPECT_EQ(different["frames"][0]["transform_matrix"],
             Json::parse("[[1.0,0.0,0.0,0.0],[0.0,1.0,0.0,0.0],[0.0,0.0,1.0,4.0],[0.0,0.0,0.0,1.0]]"));
   const std::vector<Json> alike{entries[0], entries[0]};
-  transforms->writeSet(alike, folder);
+  transforms->writeSet({alike}, folder);
   EXPECT_TRUE(json("transforms.json").contains("fl_x"));
   EXPECT_FALSE(json("transforms.json")["frames"][0].contains("fl_x"));
 }
@@ -230,14 +230,14 @@ TEST_F(FormatFilesTest, TransformsHoldLenses) {
   };
   for (const scene::Lens& lens : kLenses) {
     const Json entry = entryOf(lens, static_cast<uint32_t>(lens.height));
-    transforms->writeSet(std::vector{entry, entry}, folder);
+    transforms->writeSet({std::vector{entry, entry}}, folder);
     EXPECT_TRUE(json("transforms.json").contains("camera_model"));
     EXPECT_FALSE(json("transforms.json")["frames"][0].contains("camera_model"));
     for (const CalibratedCamera& camera : readTransforms(folder / "transforms.json")) EXPECT_EQ(camera.lens, lens);
     entries.push_back(entry);
   }
   entries.push_back(entryOf({}, 36));
-  transforms->writeSet(entries, folder);
+  transforms->writeSet({entries}, folder);
   for (const char* key : {"camera_model", "k1", "k3", "p1"}) EXPECT_FALSE(json("transforms.json").contains(key)) << key;
   const std::vector<CalibratedCamera> mixed = readTransforms(folder / "transforms.json");
   ASSERT_EQ(mixed.size(), 4u);

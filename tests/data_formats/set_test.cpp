@@ -44,7 +44,7 @@ class SetTest : public FormatsTest {
 
   void finish(const std::filesystem::path& set) {
     for (Written& written : formats_) {
-      const std::vector<std::string> files = written.format->writeSet(written.entries, set / written.folder);
+      const std::vector<std::string> files = written.format->writeSet({written.entries}, set / written.folder);
       expectFiles(set / written.folder, files);
       written.written.insert(files.begin(), files.end());
       expectStated(written);

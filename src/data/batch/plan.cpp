@@ -17,6 +17,7 @@
 #include "data/scene_files.h"
 #include "data/stop.h"
 #include "output/files.h"
+#include "render/submit/id_manifest.h"
 #include "scene/load/load.h"
 
 namespace latelight::data {
@@ -152,11 +153,17 @@ std::string number(uint64_t value, uint64_t most, uint64_t least = 0) {
 Json describe(const PlannedScene& scene) {
   Json cameras = Json::array();
   for (const PlannedCamera& c : scene.cameras) cameras.push_back({c.name, c.hash, c.width, c.height, c.moment});
-  return {{"source", scene.source},
-          {"name", scene.name},
-          {"files", scene.files},
-          {"hash", scene.hash},
-          {"cameras", std::move(cameras)}};
+  return {{"source", scene.source},        {"name", scene.name},      {"files", scene.files}, {"hash", scene.hash},
+          {"cameras", std::move(cameras)}, {"entries", scene.entries}};
+}
+
+// Returns Format::sceneEntry() of each format. Only formats that need ids have such entries.
+std::vector<Json> entriesOf(const Job& job, const LoadedScene& loaded) {
+  std::vector<Json> entries(job.formats.size());
+  if (std::ranges::none_of(job.settings.aovs, output::holdsIds)) return entries;
+  const output::IdManifest ids = loaded.idsOfAll() ? *loaded.idsOfAll() : render::idManifest(loaded.scene());
+  for (size_t i = 0; i < entries.size(); ++i) entries[i] = job.formats[i].format->sceneEntry(ids);
+  return entries;
 }
 
 // Returns an empty object if the file is missing or damaged; scenes are then loaded again.
@@ -183,7 +190,8 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   whole["version"] = version();
   std::error_code ignored;
   if (std::filesystem::is_regular_file(job.hdri, ignored)) whole["hdri-hash"] = hashOfFiles({job.hdri});
-  if (Json files = describeVariationFiles(job); !files.empty()) whole["variation-files"] = std::move(files);
+  const Json files = describeVariationFiles(job);
+  if (!files.empty()) whole["variation-files"] = files;
   jobHash_ = hashOf(whole);
   const bool moves = std::ranges::any_of(job.settings.aovs, output::dependsOnNeighbors);
   std::vector<std::string> cameraFiles;
@@ -194,7 +202,8 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   loadHash_ = hashOf({d.value("cameras", Json()), hashOfFiles(cameraFiles), d.value("variant", Json()),
                       d.value("allow-outside", Json()), d.value("id-depth", Json()), d.value("id-nodes", Json()),
                       d.value("unit", Json()), d.value("up-axis", Json()), d.value("point-radius", Json()),
-                      d.value("options", Json()), d.value("formats", Json()), moves, pairs, job.seed, version()});
+                      d.value("options", Json()), d.value("formats", Json()), moves, pairs, job.seed, version(),
+                      d.value("variations", Json()), files});
   // The job states unit and axes for all scenes, whichever of them can be loaded.
   for (const std::string& source : job.scenes) scene::checkFrame(source, job.load);
   const Json known = readSaved(saved);
@@ -218,6 +227,7 @@ bool Plan::findSaved(PlannedScene& scene, const Json& saved) const try {
     scene.files = known.at("files").get<std::vector<std::string>>();
     scene.hash = known.at("hash").get<uint64_t>();
     if (hashOfFiles(scene.files) != scene.hash) return false;
+    scene.entries = known.at("entries").get<std::vector<Json>>();
     for (const Json& c : known.at("cameras"))
       scene.cameras.push_back({c.at(0).get<std::string>(), c.at(1).get<uint64_t>(), c.at(2).get<uint32_t>(),
                                c.at(3).get<uint32_t>(), c.at(4).get<uint64_t>()});
@@ -240,6 +250,7 @@ void Plan::look(PlannedScene& scene) {
 std::unique_ptr<LoadedScene> Plan::load(PlannedScene& scene) const try {
   scene.files.clear();
   scene.cameras.clear();
+  scene.entries.clear();
   scene::LoadOptions load = job_.load;
   load.textures = job_.scenes.size() == 1 || !job_.variations.is_null() || listsFilesOnlyWithTextures(scene.source);
   auto loaded = std::make_unique<LoadedScene>(job_, scene::load(scene.source, load));
@@ -249,6 +260,7 @@ std::unique_ptr<LoadedScene> Plan::load(PlannedScene& scene) const try {
     const JobCamera& c = cameras.camera(i);
     scene.cameras.push_back({c.name, hashOf(cameras, i, moves, job_.extras), c.width, c.height, cameras.momentOf(i)});
   }
+  scene.entries = entriesOf(job_, *loaded);
   scene.name = loaded->scene().name;
   for (const std::filesystem::path& file : loaded->scene().files) scene.files.push_back(file.string());
   scene.hash = hashOfFiles(scene.files);
@@ -261,11 +273,13 @@ std::unique_ptr<LoadedScene> Plan::load(PlannedScene& scene) const try {
   return nullptr;
 }
 
-// Claims memory for the scene's cameras, both in the list and in the JSON that the plan is saved and hashed as.
+// Claims memory for the scene's cameras and entries, both in the list and in the JSON that the plan is saved and hashed
+// as.
 void Plan::claimMemory(const PlannedScene& scene) {
   constexpr uint64_t kJsonBytes = 384;
   uint64_t bytes = 0;
   for (const PlannedCamera& camera : scene.cameras) bytes += sizeof(camera) + kJsonBytes + 4 * camera.name.size();
+  for (const Json& entry : scene.entries) bytes += 2 * dumped(entry).size();
   memory_.grow(bytes, "the plan of the job's frames");
 }
 

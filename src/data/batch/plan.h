@@ -28,8 +28,9 @@ struct PlannedScene {
   std::vector<std::string> files;  // the files that the scene was read from
   uint64_t hash = 0;               // hash of the files' contents
   std::vector<PlannedCamera> cameras;
-  uint64_t places = 0;  // number of frame indices; those of a broken scene are reserved
-  std::string error;    // the reason that the scene cannot be loaded; empty: it can be loaded
+  std::vector<nlohmann::ordered_json> entries;  // Format::sceneEntry() of each of the job's formats
+  uint64_t places = 0;                          // number of frame indices; those of a broken scene are reserved
+  std::string error;                            // the reason that the scene cannot be loaded; empty: it can be loaded
 };
 
 // The scene, variation and camera of a frame, by index.
@@ -43,10 +44,10 @@ std::vector<std::filesystem::path> filesOfJob(const Job& job);
 
 class Plan {
  public:
-  // Loads scenes to determine their cameras, except scenes in the plan that an earlier run wrote to `saved`. A broken
-  // scene has an error and as many frame indices as the first good scene. Throws Error(Usage) if two frames have the
-  // same name, if a format stores them under the same name, if two files of the set have the same name, or if the
-  // renderer or a format does not support a camera.
+  // Loads scenes to determine their cameras and entries, except scenes in the plan that an earlier run wrote to
+  // `saved`. A broken scene has an error and as many frame indices as the first good scene. Throws Error(Usage) if two
+  // frames have the same name, if a format stores them under the same name, if two files of the set have the same name,
+  // or if the renderer or a format does not support a camera.
   Plan(const Job& job, const std::filesystem::path& saved);
   void save(const std::filesystem::path& path) const;
 
@@ -85,7 +86,7 @@ class Plan {
 
   const Job& job_;
   uint64_t jobHash_ = 0;   // hash of the inputs of all frames
-  uint64_t loadHash_ = 0;  // hash of the job's inputs that cameras depend on
+  uint64_t loadHash_ = 0;  // hash of the job's inputs that cameras and entries of scenes depend on
   std::vector<PlannedScene> scenes_;
   std::vector<uint64_t> starts_;  // index of each scene's first frame, then the end index
   std::unique_ptr<LoadedScene> scene_;

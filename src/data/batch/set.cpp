@@ -133,6 +133,17 @@ void checkArchives(const SetFolder& set, const Manifest& manifest) {
     }
 }
 
+// Returns the entries of the scenes of a stored plan for one of the job's formats.
+std::vector<Json> sceneEntriesOf(const Json& plan, size_t format) {
+  const auto scenes = plan.find("scenes");
+  if (scenes == plan.end()) return {};
+  std::vector<Json> all;
+  for (const Json& scene : *scenes)
+    if (const auto entries = scene.find("entries"); entries != scene.end() && format < entries->size())
+      all.push_back((*entries)[format]);
+  return all;
+}
+
 // Returns the names of the frames' files that are now in archives and no longer required.
 std::vector<std::string> writeSetFiles(const SetFolder& set, Manifest& manifest) {
   checkArchives(set, manifest);
@@ -141,11 +152,13 @@ std::vector<std::string> writeSetFiles(const SetFolder& set, Manifest& manifest)
   std::vector<std::string> packedFiles;
   const std::vector<JobFormat> formats = formatsOf(readState(set.job()));
   checkEntries(set, manifest, formats.size());
+  const Json plan = readState(set.plan());
   for (size_t i = 0; i < formats.size(); ++i) {
     std::vector<Json> entries;  // moved from the frames and back, because they may be large
     for (auto& [index, frame] : manifest.frames) entries.push_back(std::move(frame.entries.at(i)));
+    const std::vector<Json> scenes = sceneEntriesOf(plan, i);
     std::unordered_map<std::string, FileRecord> setFiles;
-    for (const std::string& name : formats[i].format->writeSet(entries, set.path()))
+    for (const std::string& name : formats[i].format->writeSet({entries, scenes}, set.path()))
       setFiles[name] = manifest.setFiles.emplace_back(recordOf(set.path(), name));
     auto entry = entries.begin();
     for (auto& [index, frame] : manifest.frames) {

@@ -106,7 +106,8 @@ class Bop : public Format {
         {"scene", frame.scene}, {"image", frame.index}, {"camera", cameraOf(frame)}, {"objects", std::move(objects)}};
   }
 
-  std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
+  std::vector<std::string> writeSet(const SetEntries& set, const std::filesystem::path& folder) const override {
+    const std::span<const Json> entries = set.frames;
     BopModels models(numbers_);
     for (const Json& entry : entries)
       for (const Json& object : entry["objects"]) models.add(object);

@@ -1,6 +1,7 @@
 #include "data/formats/categories.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "base/error.h"
@@ -73,15 +74,28 @@ uint64_t Categories::numberOf(const Json& object, const std::map<std::string, ui
   return found->second;
 }
 
-std::vector<std::string> Categories::all(std::span<const Json> entries) const {
+Json Categories::ofScene(const output::IdManifest& ids) const {
+  if (!rules_.empty()) return nullptr;
+  std::set<std::string> names;
+  for (const output::IdEntry& entry : ids.ids)
+    if (!entry.parts.empty()) names.insert(named(entry, ids));
+  names.erase("");
+  return names;
+}
+
+std::vector<std::string> Categories::all(const SetEntries& set) const {
   std::vector<std::string> names;
   for (const std::string& category : names_)
     if (std::ranges::find(names, category) == names.end()) names.push_back(category);
   if (!names.empty()) return names;
-  std::set<std::string> seen;
-  for (const Json& entry : entries)
-    for (const Json& object : entry["objects"]) seen.insert(object["category"].get<std::string>());
-  return {seen.begin(), seen.end()};
+  std::set<std::string> ofScenes, ofFrames;
+  for (const Json& scene : set.scenes)
+    for (const Json& category : scene) ofScenes.insert(category.get<std::string>());
+  for (const Json& entry : set.frames)
+    for (const Json& object : entry["objects"]) ofFrames.insert(object["category"].get<std::string>());
+  names.assign(ofScenes.begin(), ofScenes.end());
+  std::ranges::set_difference(ofFrames, ofScenes, std::back_inserter(names));
+  return names;
 }
 
 }  // namespace latelight::data

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <string>
 #include <vector>
 
+#include "data/format.h"
 #include "data/formats/path_rules.h"
 #include "output/id_manifest.h"
 
@@ -27,9 +27,14 @@ class Categories {
   // categories differ.
   static uint64_t numberOf(const nlohmann::ordered_json& object, const std::map<std::string, uint64_t>& numbers);
 
-  // Returns the names of all categories of a set, whose entries have "objects" with a "category": in the order of the
-  // rules, or sorted by name if there are no rules. Those of rules are listed even if no object has them.
-  std::vector<std::string> all(std::span<const nlohmann::ordered_json> entries) const;
+  // Returns the list of names of a scene's categories, sorted, for all(). It is null if there are rules.
+  nlohmann::ordered_json ofScene(const output::IdManifest& ids) const;
+
+  // Returns the names of all categories of a set, in the order of the rules, or sorted by name if there are no rules.
+  // They do not depend on what is visible: those of rules and scenes are listed even if no object of a frame has them.
+  // The entries of scenes are those of ofScene(), and those of frames have "objects" with a "category". Categories that
+  // only frames have follow.
+  std::vector<std::string> all(const SetEntries& set) const;
 
  private:
   void readRules(const nlohmann::ordered_json& rules);

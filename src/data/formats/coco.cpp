@@ -89,9 +89,11 @@ class Coco : public Format {
                     {"objects", objects}};
   }
 
-  std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
+  Json sceneEntry(const output::IdManifest& ids) const override { return categories_.ofScene(ids); }
+  std::vector<std::string> writeSet(const SetEntries& set, const std::filesystem::path& folder) const override {
+    const std::span<const Json> entries = set.frames;
     std::map<std::string, uint64_t> numbers;
-    const Json categories = categoriesOf(entries, numbers);
+    const Json categories = categoriesOf(set, numbers);
     std::vector<uint64_t> first(entries.size() + 1, 1);  // id of each picture's first annotation
     for (size_t i = 0; i < entries.size(); ++i) first[i + 1] = first[i] + entries[i]["objects"].size();
     std::vector<std::string> images(entries.size()), annotations(entries.size());
@@ -161,13 +163,13 @@ class Coco : public Format {
   }
 
   // Numbers the categories from 1.
-  Json categoriesOf(std::span<const Json> entries, std::map<std::string, uint64_t>& numbers) const {
+  Json categoriesOf(const SetEntries& set, std::map<std::string, uint64_t>& numbers) const {
     Json categories = Json::array();
-    for (const std::string& name : categories_.all(entries)) {
+    for (const std::string& name : categories_.all(set)) {
       numbers[name] = categories.size() + 1;
       categories.push_back({{"id", categories.size() + 1}, {"name", name}, {"supercategory", ""}});
     }
-    if (!keypoints_.empty()) addKeypointNames(entries, numbers, categories);
+    if (!keypoints_.empty()) addKeypointNames(set.frames, numbers, categories);
     return categories;
   }
 

@@ -100,7 +100,8 @@ class Colmap : public Format {
   }
 
   // Writes a model per scene and variation, numbered from 0.
-  std::vector<std::string> writeSet(std::span<const Json> entries, const fs::path& folder) const override {
+  std::vector<std::string> writeSet(const SetEntries& set, const fs::path& folder) const override {
+    const std::span<const Json> entries = set.frames;
     std::map<std::pair<uint32_t, uint32_t>, std::vector<const Json*>> states;
     for (const Json& entry : entries) states[{entry["state"][0], entry["state"][1]}].push_back(&entry);
     std::vector<std::string> written;

@@ -71,7 +71,8 @@ class CorrespondenceFiles : public Format {
     }
   }
 
-  std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
+  std::vector<std::string> writeSet(const SetEntries& set, const std::filesystem::path& folder) const override {
+    const std::span<const Json> entries = set.frames;
     Json pairs = Json::array();
     for (const Json& entry : entries)
       for (const Json& pair : entry) pairs.push_back(pair);

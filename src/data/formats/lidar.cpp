@@ -72,7 +72,8 @@ class Lidar : public Format {
     }
   }
 
-  std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
+  std::vector<std::string> writeSet(const SetEntries& set, const std::filesystem::path& folder) const override {
+    const std::span<const Json> entries = set.frames;
     Json scans = Json::array();
     for (const Json& entry : entries) scans.push_back(entry);
     writeJsonIn(folder, list_,

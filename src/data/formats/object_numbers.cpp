@@ -38,7 +38,7 @@ std::set<std::string> categoryNames(const std::vector<Listed>& objects) {
 }  // namespace
 
 ObjectNumbers::ObjectNumbers(const output::IdManifest& ids, const output::IdManifest& all, const Categories& categories)
-    : categories_(categories.all({})) {
+    : categories_(categories.all(SetEntries{})) {
   const bool hasRules = !categories_.empty();
   std::unordered_map<std::string, uint32_t> instanceOf, categoryOf{{"", 0}};
   for (const std::string& category : categories_) categoryOf.emplace(category, categoryOf.size());

@@ -129,7 +129,8 @@ class Scannet : public Format {
   }
 
   // The files of each scan, from its frames.
-  std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
+  std::vector<std::string> writeSet(const SetEntries& set, const std::filesystem::path& folder) const override {
+    const std::span<const Json> entries = set.frames;
     std::map<std::string, std::vector<const Json*>> scans;
     for (const Json& entry : entries) scans[entry["scan"].get<std::string>()].push_back(&entry);
     std::vector<std::string> written;

@@ -121,7 +121,8 @@ class Transforms : public Format {
   }
 
   // Intrinsics that all cameras share are written once.
-  std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
+  std::vector<std::string> writeSet(const SetEntries& all, const std::filesystem::path& folder) const override {
+    const std::span<const Json> entries = all.frames;
     const Json common = commonOf(entries);
     Json set = common;
     if (common.contains("fl_x") && common.contains("w") && common.value("camera_model", "") == "OPENCV")

@@ -139,7 +139,8 @@ class Video : public Format {
     record.entry = picture_.write(record, frame, folder);
   }
 
-  std::vector<std::string> writeSet(std::span<const Json> entries, const fs::path& folder) const override {
+  std::vector<std::string> writeSet(const SetEntries& set, const fs::path& folder) const override {
+    const std::span<const Json> entries = set.frames;
     if (entries.empty()) return {};
     const fs::path path = folder / file_;
     std::error_code ignored;  // errors are reported when the file is opened

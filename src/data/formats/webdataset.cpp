@@ -118,7 +118,8 @@ class WebDataset : public Format {
     record.entry = {{"key", key}, {"file", file}, {"archive", archiveOf(frame.index)}};
   }
 
-  std::vector<std::string> writeSet(std::span<const Json> entries, const fs::path& folder) const override {
+  std::vector<std::string> writeSet(const SetEntries& set, const fs::path& folder) const override {
+    const std::span<const Json> entries = set.frames;
     std::vector<std::string> written;
     for (size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
       const std::string archive = entries[begin]["archive"];

@@ -68,8 +68,10 @@ class Yolo : public Format {
     record.entry = {{"file", frameFile(labels_, frame)}, {"objects", std::move(objects)}};
   }
 
-  std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
-    const std::vector<std::string> names = categories_.all(entries);
+  Json sceneEntry(const output::IdManifest& ids) const override { return categories_.ofScene(ids); }
+  std::vector<std::string> writeSet(const SetEntries& set, const std::filesystem::path& folder) const override {
+    const std::span<const Json> entries = set.frames;
+    const std::vector<std::string> names = categories_.all(set);
     std::map<std::string, uint64_t> numbers;
     for (size_t i = 0; i < names.size(); ++i) numbers[names[i]] = i;
     std::vector<std::string> files(entries.size());
