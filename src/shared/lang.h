@@ -2,7 +2,8 @@
 //
 // Rules for every header in src/shared: no swizzles (name each component); vector constructors list every component
 // (HLSL has no float3(x)); ternaries only on scalars; no samplers; no double or bool in structs; functions are SH_FUNC,
-// constants SH_CONST, out parameters SH_OUT(T) and SH_INOUT(T). In C++ everything is in namespace latelight::shared.
+// constants SH_CONST, out parameters SH_OUT(T) and SH_INOUT(T), and parameters that a function does not use begin with
+// SH_UNUSED, because C++ compilers warn of them. In C++ everything is in namespace latelight::shared.
 #ifndef LATELIGHT_SHARED_LANG_H
 #define LATELIGHT_SHARED_LANG_H
 
@@ -19,6 +20,7 @@
 #define SH_CONST inline constexpr
 #define SH_OUT(T) T&
 #define SH_INOUT(T) T&
+#define SH_UNUSED [[maybe_unused]]
 
 namespace latelight::shared {
 using uint = uint32_t;
@@ -82,6 +84,7 @@ inline float uintBitsToFloat(uint x) {
 #define SH_CONST static const
 #define SH_OUT(T) out T
 #define SH_INOUT(T) inout T
+#define SH_UNUSED
 #define vec2 float2
 #define vec3 float3
 #define vec4 float4
@@ -106,6 +109,7 @@ inline float uintBitsToFloat(uint x) {
 #define SH_CONST const
 #define SH_OUT(T) out T
 #define SH_INOUT(T) inout T
+#define SH_UNUSED
 #define saturate(x) clamp(x, 0.0, 1.0)
 #define atan2(y, x) atan(y, x)
 

@@ -70,8 +70,8 @@ Result compileAsHlsl(const Folder& folder, const std::string& header) {
 
 Result compileAsCpp(const Folder& folder, const std::string& header) {
   const std::string file = folder.write(header, ".cpp", fmt::format("#include \"{}\"\n", header));
-  return runCommand(fmt::format("'{}' -std=c++20 -fsyntax-only -Wall -Wextra -Wno-unused-parameter -Werror {} '{}'",
-                                LATELIGHT_CXX, includePaths(), file));
+  return runCommand(
+      fmt::format("'{}' -std=c++20 -fsyntax-only -Wall -Wextra -Werror {} '{}'", LATELIGHT_CXX, includePaths(), file));
 }
 
 std::vector<std::string> sharedHeaders() {

@@ -36,7 +36,7 @@ SH_FUNC float materialId(Surface s) {
   return s.f90 <= 0.0f ? kMaterialIdMatte : kMaterialIdLit;
 }
 
-SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
+SH_FUNC GbufferTexel packGbuffer(Surface s, SH_UNUSED GbufferContext c) {
   GbufferTexel t;
   t.normal = vec4(s.normal.x * 0.5f + 0.5f, s.normal.y * 0.5f + 0.5f, s.normal.z * 0.5f + 0.5f, 1.0f - s.roughness);
   float f0 = (s.f0.x + s.f0.y + s.f0.z) * (1.0f / 3.0f);

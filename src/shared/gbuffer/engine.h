@@ -19,7 +19,7 @@
 
 GBUFFER_BEGIN
 
-SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
+SH_FUNC GbufferTexel packGbuffer(Surface s, SH_UNUSED GbufferContext c) {
   GbufferTexel t;
   vec3 diffuse = diffuseAtNormalIncidence(s);
   vec3 specular = specularF0(s);

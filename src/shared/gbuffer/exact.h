@@ -20,7 +20,7 @@
 
 GBUFFER_BEGIN
 
-SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
+SH_FUNC GbufferTexel packGbuffer(Surface s, SH_UNUSED GbufferContext c) {
   GbufferTexel t;
   t.position = vec4(s.position.x, s.position.y, s.position.z, s.ao);
   t.normal = vec4(s.normal.x, s.normal.y, s.normal.z, s.roughness);
@@ -32,7 +32,7 @@ SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
   return t;
 }
 
-SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c) {
+SH_FUNC Surface unpackGbuffer(GbufferTexel t, SH_UNUSED GbufferContext c) {
   Surface s = emptySurface();
   s.position = vec3(t.position.x, t.position.y, t.position.z);
   s.ao = t.position.w;

@@ -20,7 +20,7 @@
 
 GBUFFER_BEGIN
 
-SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
+SH_FUNC GbufferTexel packGbuffer(Surface s, SH_UNUSED GbufferContext c) {
   GbufferTexel t;
   vec3 diffuse = diffuseColor(s);
   vec3 specular = specularF0(s);
@@ -31,7 +31,7 @@ SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
   return t;
 }
 
-SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c) {
+SH_FUNC Surface unpackGbuffer(GbufferTexel t, SH_UNUSED GbufferContext c) {
   Surface s = emptySurface();
   s.position = vec3(t.position.x, t.position.y, t.position.z);
   s.normal = vec3(t.normal.x, t.normal.y, t.normal.z);

@@ -17,7 +17,7 @@ SH_CONST uint kNormalHemisphere_lambert = 0u;
 
 // 8 z + 8 loses precision near -Z; 8 |n.xy|^2 / (1 - z) is the same number without that loss. The whole rim represents
 // -Z.
-SH_FUNC vec3 encodeNormal_lambert(vec3 n, vec3 levels) {
+SH_FUNC vec3 encodeNormal_lambert(vec3 n, SH_UNUSED vec3 levels) {
   float squared = n.x * n.x + n.y * n.y;
   if (n.z < 0.0f && squared < 1e-30f) return vec3(1.0f, 0.5f, 0.0f);
   float s = inversesqrt(n.z >= 0.0f ? 8.0f * n.z + 8.0f : 8.0f * squared / (1.0f - n.z));
@@ -25,7 +25,7 @@ SH_FUNC vec3 encodeNormal_lambert(vec3 n, vec3 levels) {
 }
 
 // Points that rounding moved outside the disc decode to -Z.
-SH_FUNC vec3 decodeNormal_lambert(vec3 e, vec3 levels) {
+SH_FUNC vec3 decodeNormal_lambert(vec3 e, SH_UNUSED vec3 levels) {
   float x = e.x * 4.0f - 2.0f;
   float y = e.y * 4.0f - 2.0f;
   float f = min(x * x + y * y, 4.0f);

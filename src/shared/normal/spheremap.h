@@ -33,12 +33,12 @@ SH_FUNC vec3 directionFromSpheremap(vec2 p) {
 SH_CONST uint kNormalChannels_spheremap = 2u;
 SH_CONST uint kNormalHemisphere_spheremap = 0u;
 
-SH_FUNC vec3 encodeNormal_spheremap(vec3 n, vec3 levels) {
+SH_FUNC vec3 encodeNormal_spheremap(vec3 n, SH_UNUSED vec3 levels) {
   vec2 p = spheremapFromDirection(n);
   return vec3(p.x * 0.5f + 0.5f, p.y * 0.5f + 0.5f, 0.0f);
 }
 
-SH_FUNC vec3 decodeNormal_spheremap(vec3 e, vec3 levels) {
+SH_FUNC vec3 decodeNormal_spheremap(vec3 e, SH_UNUSED vec3 levels) {
   return directionFromSpheremap(vec2(e.x * 2.0f - 1.0f, e.y * 2.0f - 1.0f));
 }
 

@@ -13,12 +13,12 @@ SH_CONST uint kNormalChannels_spherical_angles = 2u;
 SH_CONST uint kNormalHemisphere_spherical_angles = 0u;
 
 // atan2 also for the polar angle, because acos loses half its digits at the poles.
-SH_FUNC vec3 encodeNormal_spherical_angles(vec3 n, vec3 levels) {
+SH_FUNC vec3 encodeNormal_spherical_angles(vec3 n, SH_UNUSED vec3 levels) {
   float polar = atan2(sqrt(n.x * n.x + n.y * n.y), n.z) * kInvPi;
   return vec3(azimuthOf(n) * 0.5f + 0.5f, polar, 0.0f);
 }
 
-SH_FUNC vec3 decodeNormal_spherical_angles(vec3 e, vec3 levels) {
+SH_FUNC vec3 decodeNormal_spherical_angles(vec3 e, SH_UNUSED vec3 levels) {
   float angle = (e.x * 2.0f - 1.0f) * kPi;
   float polar = e.y * kPi;
   float r = sin(polar);

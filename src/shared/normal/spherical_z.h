@@ -19,11 +19,11 @@ SH_FUNC float azimuthOf(vec3 n) {
 SH_CONST uint kNormalChannels_spherical_z = 2u;
 SH_CONST uint kNormalHemisphere_spherical_z = 0u;
 
-SH_FUNC vec3 encodeNormal_spherical_z(vec3 n, vec3 levels) {
+SH_FUNC vec3 encodeNormal_spherical_z(vec3 n, SH_UNUSED vec3 levels) {
   return vec3(azimuthOf(n) * 0.5f + 0.5f, n.z * 0.5f + 0.5f, 0.0f);
 }
 
-SH_FUNC vec3 decodeNormal_spherical_z(vec3 e, vec3 levels) {
+SH_FUNC vec3 decodeNormal_spherical_z(vec3 e, SH_UNUSED vec3 levels) {
   float angle = (e.x * 2.0f - 1.0f) * kPi;
   float z = e.y * 2.0f - 1.0f;
   float r = sqrt(max(1.0f - z * z, 0.0f));
