@@ -132,7 +132,7 @@ CastTicket::CastTicket(CastTicket&&) noexcept = default;
 CastTicket& CastTicket::operator=(CastTicket&&) noexcept = default;
 
 bool CastTicket::done() const {
-  if (!impl_) return true;
+  if (!impl_ || !impl_->renderer) return true;
   usable(impl_->renderer);
   return std::visit([](const auto& cast) { return cast.done(); }, impl_->ticket);
 }

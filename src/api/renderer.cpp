@@ -156,12 +156,13 @@ Ticket::Ticket(Ticket&&) noexcept = default;
 Ticket& Ticket::operator=(Ticket&&) noexcept = default;
 
 bool Ticket::done() const {
-  return !impl_ || (usable(impl_->renderer), impl_->ticket.done());
+  return !impl_ || !impl_->renderer || (usable(impl_->renderer), impl_->ticket.done());
 }
 
 std::vector<float> Ticket::exposures() const {
   requireUntaken(impl_);
-  return impl_->ticket.exposures();
+  const std::shared_ptr<Impl> impl = impl_;  // the callback of whileWaiting() may destroy this object
+  return impl->ticket.exposures();
 }
 
 std::vector<Frame> Ticket::take() {
@@ -312,8 +313,9 @@ int Renderer::exportInputSemaphore() {
 
 const std::vector<uint32_t>& Ticket::invalidWorlds() const {
   requireUntaken(impl_);
-  impl_->checkWorlds();
-  return impl_->invalidWorlds;
+  const std::shared_ptr<Impl> impl = impl_;  // the callback of whileWaiting() may destroy this object
+  impl->checkWorlds();
+  return impl->invalidWorlds;
 }
 
 std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,

@@ -5,12 +5,15 @@
 
 #include <map>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "api/scene.h"
 #include "base/error.h"
 #include "base/fork.h"
+#include "base/memory.h"
 #include "render/submit/renderer.h"
 #include "scene/environment/environment.h"
 #include "vk/device.h"
@@ -80,22 +83,30 @@ Impl& usable(const std::shared_ptr<Impl>& renderer) {
 // Throws Error(Usage) if the results of a ticket have been taken, or in any process other than the renderer's.
 template <typename Impl>
 void requireUntaken(const std::shared_ptr<Impl>& ticket) {
-  if (!ticket) badUsage("these {} have been taken already", Impl::kResults);
+  if (!ticket || !ticket->renderer) badUsage("these {} have been taken already", Impl::kResults);
   usable(ticket->renderer);
 }
 
-// Returns the result of `take`, a call of a ticket, and empties the pointer to the ticket. If an exception of the
-// callback of whileWaiting() ends the call, the pointer keeps the ticket, and another call continues the wait.
+// Returns the result of `take`, a call of a ticket, and releases the ticket's request and renderer. If an exception of
+// the callback of whileWaiting() ends the call, the ticket keeps them, and another call continues the wait. The pointer
+// is a copy, because the callback may destroy or move the object that holds the ticket.
 template <typename TicketImpl, typename Take>
-auto taken(std::shared_ptr<TicketImpl>& ticket, Take take) {
+auto taken(const std::shared_ptr<TicketImpl> ticket, Take take) {
   bool& interrupted = *ticket->renderer->interrupted;
   interrupted = false;
+  const auto release = [&] {
+    { const auto request = std::move(ticket->ticket); }  // destroyed before the renderer
+    ticket->renderer.reset();
+  };
   try {
     auto result = take(*ticket);
-    ticket.reset();
+    release();
     return result;
+  } catch (const std::bad_alloc&) {
+    release();
+    failWithoutMemory(TicketImpl::kResults);
   } catch (...) {
-    if (!interrupted) ticket.reset();
+    if (!interrupted) release();
     throw;
   }
 }

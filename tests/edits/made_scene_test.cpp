@@ -6,6 +6,7 @@
 #include <chrono>
 #include <functional>
 #include <iterator>
+#include <memory>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -352,6 +353,45 @@ TEST(Waiting, TheCallbackMayReplaceItself) {
     renderer.render(camera, square({"depth"}));
   }
   EXPECT_THAT(texts, ElementsAre(std::string(100, 'a'), "second"));
+}
+
+TEST(Waiting, TheCallbackMayDestroyOrMoveTheTicketThatWaits) {
+  const Scene scene("builtin:boxes");
+  Renderer renderer(scene, latelight::test::testDevice());
+  const Camera camera = scene.defaultCamera(1);
+  const Options options = square({"depth"});
+  const std::array<double, 3> origin{0, 0, 5}, direction{0, 0, -1};
+  const std::vector<float> depths = renderer.render(camera, options).aovs.at("depth").values;
+  const std::vector<float> distances = renderer.cast({&origin, 1}, {&direction, 1}).distance;
+  const auto takeWhile = [&](const auto& take, const std::function<void()>& change) {
+    int changes = 0;
+    renderer.whileWaiting([&] { changes++ == 0 ? change() : void(); });
+    passInterval();
+    auto result = take();
+    EXPECT_GT(changes, 0);
+    renderer.whileWaiting({});
+    return result;
+  };
+  auto pictures = std::make_unique<Ticket>(renderer.submit({camera}, options));
+  const std::vector<Frame> frames = takeWhile([&] { return pictures->take(); }, [&] { pictures.reset(); });
+  EXPECT_EQ(frames.front().aovs.at("depth").values, depths);
+
+  auto arrays = std::make_unique<Ticket>(renderer.submit({camera}, options, Results::Arrays));
+  const auto taken = takeWhile([&] { return arrays->takeArrays(); }, [&] { arrays.reset(); });
+  std::vector<float> copied(depths.size());
+  taken.at("depth").copyToHost(std::as_writable_bytes(std::span(copied)));
+  EXPECT_EQ(copied, depths);
+
+  float distance = 0;
+  auto rays = std::make_unique<CastTicket>(
+      renderer.submitCast({&origin, 1}, {&direction, 1}, CastTargets{.distance = &distance}));
+  takeWhile([&] { return rays->take(), true; }, [&] { rays.reset(); });
+  EXPECT_EQ(std::vector{distance}, distances);
+
+  Ticket moved = renderer.submit({camera}, options), other = renderer.submit({camera}, options);
+  EXPECT_EQ(takeWhile([&] { return moved.take(); }, [&] { other = std::move(moved); }).size(), 1u);
+  EXPECT_TRUE(other.done());
+  EXPECT_THAT(refused([&] { other.take(); }), HasSubstr("taken already"));
 }
 
 TEST(Waiting, TicketsCanBeTakenAfterAnException) {
