@@ -15,6 +15,19 @@
 
 namespace latelight {
 
+namespace {
+
+// Returns the bytes of the array's elements. The renderer's memory may be larger than the array, and a caller may have
+// changed the array's public shape.
+uint64_t bytesOf(const DeviceArray& array) {
+  using enum DeviceArray::Element;
+  uint64_t bytes = array.element == Uint8 ? 1 : array.element == Float16 || array.element == Uint16 ? 2 : 4;
+  for (const uint64_t length : array.shape) bytes *= length;
+  return std::min(bytes, uint64_t{DeviceArrayMemory::bufferOf(array).size()});
+}
+
+}  // namespace
+
 const vk::Buffer& DeviceArrayMemory::bufferOf(const DeviceArray& array) {
   return array.impl_->memory->buffer;
 }
@@ -30,11 +43,7 @@ std::shared_ptr<render::ExportedMemory> DeviceArrayMemory::of(const DeviceArray&
   return array.impl_->memory;
 }
 bool DeviceArrayMemory::contains(const DeviceArray& array, uint64_t offset, uint64_t count, uint64_t eachBytes) {
-  using enum DeviceArray::Element;
-  uint64_t bytes = array.element == Uint8 ? 1 : array.element == Float16 || array.element == Uint16 ? 2 : 4;
-  for (const uint64_t length : array.shape) bytes *= length;
-  // The renderer's memory may be larger than the array, and a caller may have changed the array's public shape.
-  const uint64_t size = std::min(bytes, uint64_t{bufferOf(array).size()});
+  const uint64_t size = bytesOf(array);
   return offset <= size && (count == 0 || eachBytes <= (size - offset) / count);
 }
 void DeviceArrayMemory::checkDistinct(const std::map<std::string, DeviceArray>& arrays) {
@@ -63,7 +72,9 @@ uint64_t DeviceArray::memoryBytes() const {
 void DeviceArray::copyToHost(std::span<std::byte> to) const {
   filled().owner.require("the array's device");
   const vk::Buffer& from = filled().memory->buffer;
-  if (to.size() > from.size()) badUsage("the array has {} bytes, not {}", from.size(), to.size());
+  const uint64_t bytes = bytesOf(*this);
+  if (to.size() != bytes)
+    badUsage("the array has {} bytes, but is to be copied to {} bytes: give it memory of its size", bytes, to.size());
   if (host()) {
     std::memcpy(to.data(), host(), to.size());
     return;

@@ -33,7 +33,8 @@ EnvironmentData readEnvironment(const std::string& file) {
 }
 
 std::vector<std::byte> encodePng(uint32_t width, uint32_t height, const std::vector<uint8_t>& rgba) {
-  if (width == 0 || height == 0 || rgba.size() != size_t{4} * width * height)
+  // Divides, because 4 * width * height may exceed 64 bits.
+  if (width == 0 || height == 0 || rgba.size() % 4 != 0 || rgba.size() / 4 != uint64_t{width} * height)
     badUsage("an image of {}x{} pixels has 4 bytes per pixel, but {} bytes are given", width, height, rgba.size());
   return output::encodePng(output::Picture{width, height, rgba});
 }

@@ -30,6 +30,14 @@ uint64_t geometryBytes(const scene::Scene& scene) {
   return bytes;
 }
 
+// OBJ and PLY files without faces cannot be loaded. `extension`: ".obj" or ".ply".
+void requireTriangles(const scene::Scene& scene, const std::string& extension) {
+  const bool has = std::ranges::any_of(scene.instances, [&](const scene::Instance& instance) {
+    return !instance.removed && !instance.hidden && !scene.meshes[instance.mesh].indices.empty();
+  });
+  if (!has) badUsage("the scene has no visible triangles, and a {} file requires at least one: export .glb", extension);
+}
+
 // Writes the scene's .obj file, its .mtl file and the images of that.
 void exportObj(const scene::Scene& scene, const std::filesystem::path& file, output::UsedFiles& used) {
   std::string stem = objName(file.stem().string());
@@ -74,6 +82,7 @@ void exportScene(const scene::Scene& scene, const std::filesystem::path& file,
                  std::span<const std::filesystem::path> inputs) {
   checkExportName(file);
   const std::string extension = extensionOf(file);
+  if (extension != ".glb") requireTriangles(scene, extension);
   output::UsedFiles used(inputs);
   try {
     if (extension == ".obj") return exportObj(scene, file, used);

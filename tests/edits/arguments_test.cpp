@@ -1,4 +1,5 @@
 // Arguments of the public API that are rejected where they are given, and limits that the API states.
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
 #include <unistd.h>
@@ -7,7 +8,10 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "placed.h"
 #include "test_device.h"
 
 namespace latelight {
@@ -182,6 +186,59 @@ TEST(Arguments, TargetsOfRaysAreThoseOfRequestedOutputs) {
             "there is an array to store distance in, but this output is not requested");
   EXPECT_EQ(errorOf([&] { renderer.cast(worlds, rays(2), std::vector<std::string>{"distance"}, {}, one); }),
             "the array of distance is too small for the hits of 2 rays");
+}
+
+// 4 * 2^31 * 2^31 is 2^64, which 64 bits hold as 0.
+TEST(Arguments, PngsHaveAllTheirPixels) {
+  const uint32_t side = uint32_t{1} << 31;
+  EXPECT_EQ(errorOf([&] { encodePng(side, side, {}); }),
+            "an image of 2147483648x2147483648 pixels has 4 bytes per pixel, but 0 bytes are given");
+  EXPECT_THAT(errorOf([] { encodePng(1, 1, std::vector<uint8_t>(5)); }), HasSubstr("5 bytes are given"));
+  EXPECT_FALSE(encodePng(1, 1, std::vector<uint8_t>(4)).empty());
+}
+
+TEST(Arguments, CopiesToTheHostHaveTheArraysSize) {
+  const Scene scene("builtin:boxes");
+  Renderer renderer(scene, test::testDevice());
+  Options options;
+  options.width = 16, options.height = 12;
+  Ticket ticket = renderer.submit({scene.defaultCamera(1)}, options, Results::Arrays);
+  const DeviceArray array = ticket.takeArrays().at("rgba");
+  for (const size_t bytes : {size_t{3}, size_t{4} * 16 * 12 - 1, size_t{4} * 16 * 12 + 1}) {
+    std::vector<std::byte> copy(bytes);
+    EXPECT_THAT(errorOf([&] { array.copyToHost(copy); }), HasSubstr("the array has 768 bytes")) << bytes;
+  }
+  std::vector<std::byte> copy(size_t{4} * 16 * 12);
+  array.copyToHost(copy);
+  EXPECT_EQ(copy[3], std::byte{255});  // the first pixel's alpha
+}
+
+// The loader rejects OBJ and PLY files without faces.
+TEST(Arguments, ExportedFilesCanBeLoaded) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("latelight_export_" + std::to_string(getpid()));
+  std::filesystem::create_directory(folder);
+  const Scene none;
+  Scene hidden;
+  const Handle<Mesh> mesh = hidden.addMesh({.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .indices = {0, 1, 2}});
+  const Handle<Instance> instance = hidden.addInstance(mesh, hidden.addMaterial({}), test::placed(0, 0, 0));
+  hidden.removeInstance(instance);
+  for (const Scene* scene : {&none, &std::as_const(hidden)}) {
+    for (const char* name : {"empty.obj", "empty.ply"}) {
+      EXPECT_EQ(errorOf([&] { scene->exportTo(folder / name); }),
+                fmt::format("the scene has no visible triangles, and a .{} file requires at least one: export .glb",
+                            std::string(name).substr(6)));
+      EXPECT_FALSE(std::filesystem::exists(folder / name));
+    }
+    scene->exportTo(folder / "empty.glb");
+    EXPECT_EQ(Scene(folder / "empty.glb").triangleCount(), 0u);
+  }
+  hidden.addInstance(mesh, hidden.addMaterial({}), test::placed(0, 0, 0));
+  for (const char* name : {"one.obj", "one.ply", "one.glb"}) {
+    hidden.exportTo(folder / name);
+    EXPECT_EQ(Scene(folder / name).triangleCount(), 1u) << name;
+  }
+  std::filesystem::remove_all(folder);
 }
 
 class MemoryLimit : public testing::Test {
