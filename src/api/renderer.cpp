@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <new>
 #include <utility>
 
 #include "api/device_array.h"
@@ -139,6 +140,7 @@ struct Ticket::Impl {
   Results results;
   std::vector<uint32_t> invalidWorlds{};
   bool awaitsWorlds = false;  // the device reports invalid worlds
+  MemoryClaim memory{};       // of the cameras
 
   // Waits for the report.
   void checkWorlds() {
@@ -165,7 +167,7 @@ std::vector<float> Ticket::exposures() const {
   return impl->ticket.exposures();
 }
 
-std::vector<Frame> Ticket::take() {
+std::vector<Frame> Ticket::take() try {
   requireUntaken(impl_);
   if (impl_->results == Results::Arrays) badUsage("these pictures are arrays on the device: take those");
   std::vector<output::FrameOutput> from = taken(impl_, [](Impl& ticket) {
@@ -175,6 +177,8 @@ std::vector<Frame> Ticket::take() {
   std::vector<Frame> frames;
   for (output::FrameOutput& frame : from) frames.push_back(publicFrame(std::move(frame)));
   return frames;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(Impl::kResults);
 }
 
 std::map<std::string, DeviceArray> Ticket::takeArrays() {
@@ -237,11 +241,12 @@ void checkFormats(const Options& options, Results results) {
 }  // namespace
 
 Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options, Results results,
-                        const std::map<std::string, DeviceArray>& targets) {
+                        const std::map<std::string, DeviceArray>& targets) try {
   filled();
   checkFormats(options, results);
   if (cameras.empty()) badUsage("nothing can be rendered without a camera");
   const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
+  MemoryClaim memory = claimCameras(cameras.size() + options.previousCameras.size() + options.nextCameras.size());
   const std::vector<scene::Camera> internal =
       internalCameras(cameras, impl_->scene, cameras.size(), settings.cameraFit);
   render::SceneState moment = internalState(options, settings, impl_->scene, cameras.size());
@@ -251,8 +256,13 @@ Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& optio
       impl_,
       impl_->renderer.submit(internal, settings, moment, internalResults(results),
                              targetsOf(targets, *impl_->device, settings, cameras.size(), results, false)),
-      results});
+      results,
+      {},
+      false,
+      std::move(memory)});
   return ticket;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the pictures of the cameras");
 }
 
 std::vector<Frame> Renderer::render(const Worlds& worlds, const Options& options) {
@@ -271,7 +281,7 @@ std::vector<const scene::Environment*> Renderer::Impl::environmentsOf(const std:
 }
 
 Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results results,
-                        const std::map<std::string, DeviceArray>& targets) {
+                        const std::map<std::string, DeviceArray>& targets) try {
   filled();
   checkFormats(options, results);
   if (!options.previousCameras.empty() || !options.nextCameras.empty())
@@ -282,7 +292,7 @@ Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results re
   if (worlds.arrays.ready > 0 && impl_->inputTimeline)
     impl_->device->waitFirst(impl_->inputTimeline->get(), worlds.arrays.ready);
   moment.worlds.environments = impl_->environmentsOf(worlds.environments);
-  const WorldCameras internal = impl_->source.convert(worlds, settings, moment, impl_->renderer, *impl_->device);
+  WorldCameras internal = impl_->source.convert(worlds, settings, moment, impl_->renderer, *impl_->device);
   // If shaders place the worlds, the cameras are those of each world.
   const uint64_t views = internal.cameras.size() * (moment.worlds.inputs ? uint64_t{worlds.count} : 1);
   Ticket ticket;
@@ -290,8 +300,10 @@ Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results re
       impl_,
       impl_->renderer.submit(internal.cameras, settings, moment, internalResults(results),
                              targetsOf(targets, *impl_->device, settings, views, results, worlds.arrays.ready > 0)),
-      results, internal.invalid, internal.onDevice});
+      results, std::move(internal.invalid), internal.onDevice, std::move(internal.memory)});
   return ticket;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the pictures of the worlds");
 }
 
 std::shared_ptr<const DeviceArray> Renderer::inputArray(uint64_t bytes) {

@@ -5,6 +5,7 @@
 
 #include <glm/gtc/constants.hpp>
 
+#include "base/memory.h"
 #include "scene/scene.h"
 #include "scene/vertices.h"
 
@@ -26,6 +27,7 @@ struct WorldCameras {
   std::vector<scene::Camera> cameras;
   std::vector<uint32_t> invalid;  // worlds with values that are not finite
   bool onDevice = false;          // the device reports the other invalid worlds: worldsOfStatus()
+  MemoryClaim memory{};           // of the cameras and the converted lists
 };
 
 // Returns the invalid worlds, from the status that the device reports. Throws Error(Usage) if values are wrong.

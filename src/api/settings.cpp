@@ -91,11 +91,16 @@ render::RasterUse rasterUseOf(const Worlds& worlds) {
   return worlds.joints.empty() && worlds.meshes.empty() ? render::RasterUse::Worlds : render::RasterUse::DeformedWorlds;
 }
 
+MemoryClaim claimCameras(uint64_t cameras) {
+  return {cameras * kCameraBytes, "the cameras of the call"};
+}
+
 std::vector<scene::Camera> internalCameras(const std::vector<Camera>& cameras, const scene::Scene& scene, size_t count,
                                            render::CameraFit fit) {
   if (!cameras.empty() && cameras.size() != count)
     badUsage("{} cameras are rendered, but {} are given for another frame", count, cameras.size());
   std::vector<scene::Camera> internal;
+  internal.reserve(cameras.size());
   for (const Camera& camera : cameras) internal.push_back(render::fitted(internalCamera(camera, scene), fit));
   return internal;
 }

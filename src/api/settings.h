@@ -3,13 +3,16 @@
 
 #include <latelight/latelight.h>
 
+#include <cstdint>
 #include <vector>
 
+#include "base/memory.h"
 #include "render/settings/settings.h"
 #include "render/submit/raster_choice.h"
 #include "render/submit/scene_state.h"
 #include "render/submit/session.h"
 #include "scene/scene.h"
+#include "shared/types.h"
 #include "vk/device.h"
 
 namespace latelight {
@@ -25,6 +28,11 @@ render::RasterUse rasterUseOf(const Worlds& worlds);
 // Returns checked settings with the raster that renders them.
 render::Settings settingsFor(vk::Device& device, const Options& o, const scene::Scene& scene,
                              render::RasterUse use = render::RasterUse::Image);
+
+// The host memory that a camera of a call requires until its picture is taken.
+inline constexpr uint64_t kCameraBytes = 4 * sizeof(scene::Camera) + 3 * sizeof(shared::View);
+// Claims the memory of this number of cameras. Throws Error(OutOfMemory) if it would exceed the limit.
+MemoryClaim claimCameras(uint64_t cameras);
 
 // Returns as many cameras as `count`, or none.
 std::vector<scene::Camera> internalCameras(const std::vector<Camera>& cameras, const scene::Scene& scene, size_t count,

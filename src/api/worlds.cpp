@@ -8,9 +8,11 @@
 
 #include "api/device_array.h"
 #include "api/scene.h"
+#include "api/settings.h"
 #include "api/world_array.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "render/settings/settings.h"
 #include "render/submit/renderer.h"
@@ -224,6 +226,7 @@ struct Scene::Impl::WorldConverter {
   bool hasIntrinsics() const { return from.arrays.intrinsics || !from.intrinsics.empty(); }
   void listInstances();
   void checkDeformations(const vk::Device& device) const;
+  MemoryClaim claim(bool onDevice) const;
   void listDeformations(render::Renderer& renderer, vk::Device& device, bool onDevice);
   void findInvalid(bool onDevice);
   size_t vertexCount() const;
@@ -332,6 +335,29 @@ void Scene::Impl::WorldConverter::checkDeformations(const vk::Device& device) co
   if ((a.jointTransforms || a.vertices) && !render::WorldDeformer::runsOn(device))
     fail(ExitCode::NoDevice, "{} has no 64-bit floats in shaders, which joints and vertices of worlds require",
          device.info().name);
+}
+
+// Claims the host memory of the call's views and of the converted lists, before anything of that size is allocated.
+MemoryClaim Scene::Impl::WorldConverter::claim(bool onDevice) const {
+  const WorldArrays& a = from.arrays;
+  const uint64_t count = from.count, views = count * from.cameras.size(), instances = count * to.instances.size();
+  checkIndexable("cameras", 16 * views);
+  const auto times = [](const auto&... given) { return (uint64_t{0} + ... + uint64_t{given}); };
+  uint64_t bytes = count;  // `invalid`
+  if (onDevice) {
+    checkIndexable("instances", 16 * instances);
+    checkIndexable("lights", 3 * count * from.lights.size());
+    bytes += views * sizeof(shared::View);
+  } else {
+    const bool ride = !from.cameraInstances.empty();
+    const uint64_t poses = times(true, ride || a.previousCameraToWorld || !from.previousCameraToWorld.empty(),
+                                 ride || a.nextCameraToWorld || !from.nextCameraToWorld.empty());
+    const uint64_t transforms =
+        times(a.transforms || !from.transforms.empty(), a.previousTransforms || !from.previousTransforms.empty(),
+              a.nextTransforms || !from.nextTransforms.empty());
+    bytes += views * poses * kCameraBytes + instances * transforms * sizeof(glm::dmat4);
+  }
+  return {bytes, fmt::format("the {} views of {} worlds", views, count)};
 }
 
 // Gives the arrays of joints and vertices to the shaders that deform meshes. If the host places the worlds, it has
@@ -581,6 +607,7 @@ std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasAt(const std::vec
                                                                   const scene::Pose& pose) const {
   std::vector<scene::Camera> cameras;
   const size_t each = from.cameras.size();
+  cameras.reserve(from.count * each);
   std::vector<glm::dmat4> scenes;  // transforms of the scene's instances
   if (!from.cameraInstances.empty()) scenes = scene::instanceTransforms(scene.scene, pose);
   for (size_t i = 0; i < from.count * each; ++i) {
@@ -617,9 +644,6 @@ void Scene::Impl::WorldConverter::give(render::Renderer& renderer, std::vector<s
   const WorldArrays& arrays = from.arrays;
   render::WorldInputs& inputs = to.inputs.emplace();
   const size_t instances = from.count * to.instances.size(), views = from.count * cameras.size();
-  checkIndexable("instances", 16 * instances);
-  checkIndexable("cameras", 16 * views);
-  checkIndexable("lights", 3 * from.count * from.lights.size());
   inputs.cameras = std::move(cameras);
   InputWriter writer;
   const auto giveArray = [&](const WorldArray& array, uint64_t bytes, VkDeviceAddress& address) {
@@ -793,7 +817,9 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
   const auto ownLights = !worlds.lightValues.empty() ? InLists : hasLights(worlds.arrays) ? InArrays : OfScene;
   const bool onDevice =
       !onHost && renderer.placesWorlds(settings, each, state.poses, ownLights, !worlds.joints.empty());
+  MemoryClaim memory = converter.claim(onDevice);
   const auto convertLists = [&](const Worlds& lists) {
+    memory = {};
     to = {.environments = std::move(to.environments)};
     return convert(lists, settings, state, renderer, device, onHost);
   };
@@ -808,7 +834,7 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
     converter.convertLights();
     to.empty = converter.invalid;
     converter.give(renderer, std::move(each));
-    return {.cameras = to.inputs->cameras, .invalid = {}, .onDevice = true};
+    return {.cameras = to.inputs->cameras, .invalid = {}, .onDevice = true, .memory = std::move(memory)};
   }
   if (hasArrays(worlds.arrays))
     return convertLists(
@@ -827,7 +853,7 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
     return values.empty() ? now : values;
   };
   const render::Poses& poses = state.poses;
-  WorldCameras result;
+  WorldCameras result{.cameras = {}, .invalid = {}, .memory = std::move(memory)};
   result.cameras = converter.camerasAt(worlds.cameraToWorld, to.transforms, poses.current);
   // Otherwise the cameras do not move.
   if (!worlds.previousCameraToWorld.empty() || !worlds.cameraInstances.empty())

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -241,6 +242,13 @@ TEST(Arguments, ExportedFilesCanBeLoaded) {
   std::filesystem::remove_all(folder);
 }
 
+// Returns the largest resident memory of this process so far, in bytes.
+uint64_t peakMemory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<uint64_t>(usage.ru_maxrss) << 10;
+}
+
 class MemoryLimit : public testing::Test {
  protected:
   ~MemoryLimit() override { setMemoryLimit(0); }
@@ -255,6 +263,32 @@ TEST_F(MemoryLimit, AppliesToBuiltInScenes) {
     setMemoryLimit(0);
     EXPECT_GT(Scene(name).triangleCount(), 0u);
   }
+}
+
+// A million cameras of the renderer require hundreds of megabytes.
+TEST_F(MemoryLimit, AppliesToCamerasBeforeTheyAreConverted) {
+  const Scene scene("builtin:boxes");
+  Renderer renderer(scene, test::testDevice());
+  Options options;
+  options.width = options.height = 1;
+  const std::vector<Camera> cameras(100'000, scene.defaultCamera(1));
+  renderer.render(cameras.front(), options);
+  for (const char* raster : {"compute", "hardware"}) {
+    options.raster = raster;
+    const Worlds worlds{.count = 1'000'000, .cameras = {cameras.front()}};
+    Worlds all = worlds;
+    all.count = 300'000'000;
+    const uint64_t before = peakMemory();
+    setMemoryLimit(1 << 20);
+    EXPECT_THAT(errorOf([&] { renderer.submit(worlds, options); }, ExitCode::OutOfMemory),
+                HasSubstr("no memory for the 1000000 views of 1000000 worlds"));
+    EXPECT_THAT(errorOf([&] { renderer.submit(all, options); }), HasSubstr("fewer than 2^32 numbers"));
+    EXPECT_THAT(errorOf([&] { renderer.submit(cameras, options); }, ExitCode::OutOfMemory),
+                HasSubstr("no memory for the cameras of the call"));
+    setMemoryLimit(0);
+    EXPECT_LT(peakMemory() - before, uint64_t{32} << 20) << raster;
+  }
+  EXPECT_EQ(renderer.render(Worlds{.count = 3, .cameras = {cameras.front()}}, options).size(), 3u);
 }
 
 }  // namespace
