@@ -29,9 +29,22 @@ namespace {
 
 constexpr char kWrongJoint[] =
     "the transform of a joint must have the last row 0 0 0 1, and one of world {} has another";
+constexpr char kWrongIntrinsics[] =
+    "a camera matrix k must have focal lengths above 0, no skew and the last row 0 0 1, and one in world {} does not";
 constexpr char kWrongFactors[] =
     "factors of materials must be at least 0, and metallic and roughness at most 1, and one of world {} is not";
 constexpr char kWrongEnvironment[] = "the intensity of the environment must be at least 0, and that of world {} is not";
+
+// Calls `convert` for a world, which the message of a rejected value names.
+template <typename Convert>
+void inWorld(size_t world, const Convert& convert) {
+  try {
+    convert();
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::Usage) throw;
+    throw Error(ExitCode::Usage, fmt::format("world {}: {}", world, error.what()));
+  }
+}
 
 // As floats.
 bool areFinite(std::span<const double> values) {
@@ -138,8 +151,9 @@ std::vector<Transform> matricesOf(vk::Device& device, const WorldArray& array, s
   return matrices;
 }
 
-// A camera matrix with a value that is not finite becomes NaNs, which findInvalid() finds.
-std::vector<std::array<double, 4>> intrinsicsOf(vk::Device& device, const WorldArray& array, size_t count) {
+// A camera matrix with a value that is not finite becomes NaNs, which findInvalid() finds. `cameras`: per world.
+std::vector<std::array<double, 4>> intrinsicsOf(vk::Device& device, const WorldArray& array, size_t count,
+                                                size_t cameras) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   std::vector<std::array<double, 4>> intrinsics;
   const std::vector<double> all = numbersOf(device, array, count * 9);
@@ -149,8 +163,7 @@ std::vector<std::array<double, 4>> intrinsicsOf(vk::Device& device, const WorldA
       intrinsics.push_back({kNan, kNan, kNan, kNan});
       continue;
     }
-    if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
-      badUsage("a camera matrix must have no skew and the last row 0 0 1");
+    if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1) badUsage(kWrongIntrinsics, i / cameras);
     intrinsics.push_back({k[0], k[4], k[2], k[5]});
   }
   return intrinsics;
@@ -541,8 +554,10 @@ void Scene::Impl::WorldConverter::convertLights() const {
       to.lightValues.push_back(like);
       continue;
     }
-    to.lightValues.push_back(internalLight(from.lightValues[i], scene.scene, like));
-    scene::checkLight(scene.scene, to.lightValues.back());
+    inWorld(i / to.lights.size(), [&] {
+      to.lightValues.push_back(internalLight(from.lightValues[i], scene.scene, like));
+      scene::checkLight(scene.scene, to.lightValues.back());
+    });
   }
   to.environmentIndex = from.environmentIndex;
   for (size_t world = 0; world < from.environmentRotation.size(); ++world)
@@ -560,7 +575,7 @@ std::vector<glm::dmat4> Scene::Impl::WorldConverter::transformsOf(const std::vec
   const size_t each = to.instances.size();
   for (size_t i = 0; i < values.size(); ++i) {
     transforms.push_back(invalid[i / each] ? glm::dmat4(1) : internalTransform(values[i], scene.scene));
-    scene::checkTransform(transforms.back());
+    inWorld(i / each, [&] { scene::checkTransform(transforms.back()); });
   }
   return transforms;
 }
@@ -614,16 +629,22 @@ std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasAt(const std::vec
     const auto world = static_cast<uint32_t>(i / each);
     Camera camera = from.cameras[i % each];
     if (!poses.empty() && !invalid[world]) camera.cameraToWorld = poses[i];
-    if (!from.intrinsics.empty() && !invalid[world]) camera.lens = lensWith(camera, from.intrinsics[i]);
-    scene::Camera internal = render::fitted(internalCamera(camera, scene.scene), settings.cameraFit);
-    const bool rides = !from.cameraInstances.empty() && from.cameraInstances[i % each];
-    if (rides) {
-      // The pose relative to the instance's frame, in the renderer's axes.
-      const glm::dmat4 relative = glm::inverse(scene::worldFromFile(scene.scene)) * internal.toWorld;
-      internal.toWorld = frameOf(scene.index(*from.cameraInstances[i % each]), world, transforms, scenes) * relative;
+    if (!from.intrinsics.empty() && !invalid[world]) {
+      const auto [fx, fy, cx, cy] = from.intrinsics[i];
+      if (!(fx > 0 && fy > 0)) badUsage(kWrongIntrinsics, world);
+      camera.lens = lensWith(camera, from.intrinsics[i]);
     }
-    internal.world = world;
-    cameras.push_back(std::move(internal));
+    inWorld(world, [&] {
+      scene::Camera internal = render::fitted(internalCamera(camera, scene.scene), settings.cameraFit);
+      const bool rides = !from.cameraInstances.empty() && from.cameraInstances[i % each];
+      if (rides) {
+        // The pose relative to the instance's frame, in the renderer's axes.
+        const glm::dmat4 relative = glm::inverse(scene::worldFromFile(scene.scene)) * internal.toWorld;
+        internal.toWorld = frameOf(scene.index(*from.cameraInstances[i % each]), world, transforms, scenes) * relative;
+      }
+      internal.world = world;
+      cameras.push_back(std::move(internal));
+    });
   }
   return cameras;
 }
@@ -726,7 +747,7 @@ Worlds withoutArrays(const Worlds& worlds, vk::Device& device, size_t instances,
   expand(a.cameraToWorld, lists.cameraToWorld, views);
   expand(a.previousCameraToWorld, lists.previousCameraToWorld, views);
   expand(a.nextCameraToWorld, lists.nextCameraToWorld, views);
-  if (a.intrinsics) lists.intrinsics = intrinsicsOf(device, a.intrinsics, views);
+  if (a.intrinsics) lists.intrinsics = intrinsicsOf(device, a.intrinsics, views, worlds.cameras.size());
   if (a.exists)
     for (const double value : numbersOf(device, a.exists, moved)) lists.exists.push_back(value != 0);
   if (!factors.empty()) {
@@ -776,11 +797,7 @@ std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
           "the camera's pose must be a rotation and a translation, without mirror, shear or scale, over 0 0 0 1, and "
           "one in world {} is not",
           world);
-    if (bits & shared::kWorldWrongIntrinsics)
-      badUsage(
-          "a camera matrix must have focal lengths above 0, no skew and the last row 0 0 1, and one in world {} "
-          "does not",
-          world);
+    if (bits & shared::kWorldWrongIntrinsics) badUsage(kWrongIntrinsics, world);
     if (bits & shared::kWorldWrongRide)
       badUsage("a camera of world {} rides on an instance whose transform mirrors or has an axis of length 0", world);
     if (bits & shared::kWorldWrongFactors) badUsage(kWrongFactors, world);

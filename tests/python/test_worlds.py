@@ -356,6 +356,33 @@ def test_arrays_of_any_producer_of_dlpack(camera, number):
         renderer.render_worlds(2, camera, SIZE, instances=made.instances(), exists=Producer(np.ones((2, 2))))
 
 
+@pytest.mark.parametrize("raster, when", [("hardware", "submitted"), ("compute", "taken")])
+def test_rejected_arrays_name_their_world(scene, worlds_renderer, camera, raster, when):
+    """The host rejects arrays that it converts at once, and the device when the results are taken."""
+    red, green = scene.instances()
+    wrong_row = np.tile(np.eye(4), (3, 2, 1, 1))
+    wrong_row[1, 0, 3] = 0, 0, 0, 2
+    mirrored = np.tile(np.eye(4), (3, 2, 1, 1))
+    mirrored[1, 1, 0, 0] = -1
+    mirrored_poses = np.tile(camera.camera_to_world, (3, 1, 1, 1))
+    mirrored_poses[1, 0, :3, 0] *= -1
+    behind = np.tile(np.array([[20.0, 0, 12], [0, 20, 8], [0, 0, 1]]), (3, 1, 1, 1))
+    behind[1, 0, 0, 0] = -20
+    for arguments, sentence in (
+        ({"instances": [red, green], "transforms": wrong_row}, "transform of an instance must have the last row"),
+        ({"instances": [red, green], "transforms": mirrored, "camera_instances": [green]}, "rides on an instance"),
+        ({"camera_to_world": mirrored_poses}, "camera's pose must be a rotation"),
+        ({"k": behind}, "^a camera matrix k must have focal lengths above 0"),
+    ):
+        tickets = []
+        with pytest.raises(latelight.UsageError, match=sentence) as caught:
+            tickets.append(worlds_renderer.submit_worlds(
+                3, camera, SIZE, "depth", raster=raster, shadows="none", **arguments))
+            tickets[0].take()
+        assert "world 1" in str(caught.value)
+        assert (when == "submitted") == (tickets == [])
+
+
 @pytest.mark.parametrize(
     ("arguments", "error", "sentence"),
     [
