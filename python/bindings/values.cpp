@@ -273,6 +273,10 @@ nb::object arrayOf(nb::handle value, std::string_view name, Elements elements, c
   const RunningPython section;
   const nb::object array = anyArrayOf(value, name, shape);
   const std::vector<int64_t> given = shapeOf(array);
+  // NumPy wraps any object, such as a text or None, in an array without axes.
+  if (!fits(given, shape) && given.empty() && !has(array, Elements::Numbers) && !isNumPy(value, numpy("ndarray")))
+    badType("{} must be an array of shape {}, not {}", name, shapeText(shape),
+            PyUnicode_Check(value.ptr()) ? "a text" : typeName(value));
   if (!fits(given, shape))
     badValue("{} must be an array of shape {}, not {}", name, shapeText(shape), shapeText(given));
   const bool isEmpty = std::find(given.begin(), given.end(), 0) != given.end();  // an empty list has float elements

@@ -258,6 +258,18 @@ def test_generators_raise_their_own():
         latelight.Renderer(latelight.Scene(), "cpu").render(cameras(), (8, 8))
 
 
+def test_texts_are_no_arrays(boxes, renderer):
+    """NumPy converts any object to an array without axes."""
+    camera, mistake = latelight.Camera(), latelight.ArgumentTypeError
+    refused(r"^sun must be an array of shape \(N,\), not a text$",
+            lambda: renderer.render(camera, (8, 8), sun="30,40"), mistake)
+    refused("^camera_to_world must be .*, not a text$",
+            lambda: renderer.render_worlds(2, camera, (8, 8), camera_to_world="x"), mistake)
+    refused("^positions must be .*, not a text$", lambda: boxes.add_mesh("x", FACES), mistake)
+    refused("^positions must be .*, not dict$", lambda: boxes.add_mesh({}, FACES), mistake)
+    refused(r"^positions must be .*, not \(\)$", lambda: boxes.add_mesh(3.5, FACES))
+
+
 # --- copies, pickles, references ------------------------------------------------------------------------------------
 
 
