@@ -7,6 +7,7 @@
 #include <latelight/latelight.h>
 
 #include "interpreter.h"
+#include "options.h"
 #include "values.h"
 
 namespace latelight::python {
@@ -73,6 +74,7 @@ NB_MODULE(_core, module) {
       "triangulate", &trianglesOf, nb::arg("points"), nb::arg("indices"), nb::arg("counts"),
       "The triangles (T, 3) of polygons with these counts of corners, as indices of `indices`, which are those of "
       "points.");
+  module.def("_check_world_keywords", &checkWorldKeywords, nb::arg("keywords"));  // for add_pixels()
   module.def(
       "set_memory_limit",
       [](nb::handle bytes) { setMemoryLimit(static_cast<uint64_t>(integerOf(bytes, "bytes", 0, INT64_MAX))); },

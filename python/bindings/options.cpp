@@ -243,6 +243,18 @@ Options optionsOf(nb::handle size, nb::handle outputs, const nb::dict& keywords)
   return options;
 }
 
+void checkWorldKeywords(const nb::dict& keywords) try {
+  Options options;
+  for (const auto& [key, value] : keywords) {
+    const std::string name = shown(nb::borrow(key));
+    if (!isWorldArgument(name)) setKeyword(options, name, value, true);
+  }
+} catch (const TypeMistake&) {
+  throw;
+} catch (const Error& error) {
+  throw inPython(error);
+}
+
 std::string optionParameters(const std::vector<std::string>& except) {
   std::string text = kExtraOptions;
   for (const Keyword& keyword : keywords())

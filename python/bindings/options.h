@@ -16,6 +16,10 @@ std::string snakeCase(std::string_view member);
 // Converts the arguments of render(): size is (width, height) or None, outputs are names, and options are keywords.
 Options optionsOf(nanobind::handle size, nanobind::handle outputs, const nanobind::dict& keywords);
 
+// Throws TypeMistake for keywords that are neither options nor arguments that describe worlds, and the errors of
+// optionsOf() for the values of options.
+void checkWorldKeywords(const nanobind::dict& keywords);
+
 // The parts of signatures and docstrings that describe options and outputs.
 std::string optionParameters(const std::vector<std::string>& except = {});
 std::string optionDocs();

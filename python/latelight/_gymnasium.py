@@ -8,7 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ._core import Camera, Renderer
+from ._core import (
+    Camera,
+    Renderer,
+    _check_world_keywords,  # type: ignore[attr-defined]  # stubs list public names only
+)
 from ._from_mujoco import MujocoScene, from_mujoco
 from ._model_builder import missing
 from ._options import integers, reject_options
@@ -26,6 +30,17 @@ def _data_of(envs: Any) -> list[Any]:
 def _check(value: Any, kind: type, name: str) -> None:
     if value is not None and not isinstance(value, kind):
         raise ArgumentTypeError(f"{name} must be a {kind.__name__}, not {type(value).__name__}")
+
+
+def _check_combination(scene: Any, worlds: Any, renderer: Any, device: Any) -> None:
+    if worlds is not None and not callable(worlds):
+        raise ArgumentTypeError(f"worlds must be a function of the environments, not {type(worlds).__name__}")
+    if worlds is not None and scene is not None:
+        raise UsageError("`worlds` describes the worlds of the renderer's scene: omit `scene`")
+    if renderer is not None and device != "auto":
+        raise UsageError("`renderer` has a device: omit `device`")
+    if renderer is not None and worlds is None and scene is None:
+        raise UsageError("`renderer` requires `scene`, which it renders, or `worlds`")
 
 
 def _list_of_cameras(cameras: Any) -> list[Camera]:
@@ -67,13 +82,13 @@ def add_pixels(
     All environments are rendered in one call, as worlds. "pixels" is (N, H, W, 3), or (N, C, H, W, 3) with C > 1
     cameras: uint8, sRGB.
 
-    scene: the model's scene; default: from_mujoco() of the first environment's model
+    scene: the model's scene; default: from_mujoco() of the first environment's model; not with `worlds`
     cameras: default: the first of the model's cameras; elements of `scene.cameras` follow their bodies, while other
     cameras, and a mixture of both, keep their poses
     size: width and height in pixels
     worlds: returns the arguments of render_worlds() that describe the worlds of the vector environment, for
     environments that are no SyncVectorEnv of MuJoCo environments; requires `renderer` and `cameras`
-    renderer: default: one of the scene, on `device`
+    renderer: default: one of the scene, on `device`; requires `scene` or `worlds`, and excludes `device`
     options: of render_worlds(), such as shadows="none", except outputs, out, on_device and channels_first
 
     Requires the package gymnasium (1.0 or newer)."""
@@ -83,9 +98,11 @@ def add_pixels(
         raise missing("gymnasium", "add_pixels") from None
     names = ("outputs", "out", "on_device", "channels_first")
     reject_options(options, names, 'a wrapped environment returns "pixels" as NumPy arrays of (..., H, W, 3)')
+    _check_world_keywords(options)
     size = _size_of(size)
     _check(scene, MujocoScene, "scene")
     _check(renderer, Renderer, "renderer")
+    _check_combination(scene, worlds, renderer, device)
     if worlds is None:
         _data_of(envs)  # raises UsageError for other environments
         robot = scene or from_mujoco(envs.unwrapped.envs[0].unwrapped.model)

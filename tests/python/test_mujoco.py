@@ -509,6 +509,29 @@ def test_vector_environments_have_pixels():
     for arguments, message in wrong:
         with pytest.raises(latelight.UsageError, match=message):
             latelight.add_pixels(gymnasium.vector.SyncVectorEnv([Fall, Fall]), device="cpu", **arguments)
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(MODEL))
+    own, given, camera = latelight.Renderer(robot.scene, "cpu"), envs.renderer, latelight.Camera()
+    arguments_of = dict
+    wrong = [
+        ({"worlds": 5, "renderer": given, "cameras": camera}, latelight.ArgumentTypeError,
+         "worlds must be a function of the environments, not int"),
+        ({"worlds": arguments_of, "renderer": given, "cameras": camera, "scene": robot}, latelight.UsageError,
+         "omit `scene`"),
+        ({"worlds": arguments_of, "renderer": given, "cameras": camera, "device": "cpu"}, latelight.UsageError,
+         "omit `device`"),
+        ({"scene": robot, "renderer": own, "device": "cpu"}, latelight.UsageError, "omit `device`"),
+        ({"renderer": own}, latelight.UsageError, "`renderer` requires `scene`"),
+        ({"shadow": "none"}, latelight.ArgumentTypeError, 'no option "shadow": do you mean "shadows"'),
+        ({"anisotropy": "much"}, latelight.ArgumentTypeError, "anisotropy must be a"),
+        ({"exposure": "bright"}, latelight.UsageError, "^exposure takes a number"),
+        ({"pixels": [(0, 0)]}, latelight.ArgumentTypeError, '"pixels" does not apply'),
+    ]
+    for arguments, kind, message in wrong:
+        with pytest.raises(kind, match=message):
+            latelight.add_pixels(gymnasium.vector.SyncVectorEnv([Fall, Fall]), **arguments)
+    again = latelight.add_pixels(
+        gymnasium.vector.SyncVectorEnv([Fall, Fall]), scene=robot, renderer=own, size=(32, 24), shadows="none")
+    np.testing.assert_array_equal(again.reset(seed=3)[0]["pixels"], seen["pixels"])
     nothing = latelight.add_pixels(
         gymnasium.vector.SyncVectorEnv([Fall, Fall]), renderer=envs.renderer, cameras=latelight.Camera(),
         worlds=lambda envs: None)
