@@ -347,7 +347,8 @@ class LATELIGHT_API Scene {
 
   uint64_t triangleCount() const;
   // Writes the scene as it is, with its edits, to a .glb file, or its geometry at rest to an .obj or .ply file. Throws
-  // Error(Usage) for other names and for files that cannot be written.
+  // Error(Usage) for other names, for .obj and .ply files without visible triangles, and for files that cannot be
+  // written.
   void exportTo(const std::string& file) const;
   // The environment of renderers that are created afterward without one of their own. It is not exported. Throws
   // Error(Usage) unless it is twice as wide as it is high.
