@@ -1,15 +1,11 @@
-// Shared by the bloom passes. Texel i of a level covers texels 2i and 2i + 1 of the next finer level. Pictures are
-// mirrored at their edges, so no light is lost and no edge is darker.
+// Shared by the bloom passes. The texels of each level divide the picture evenly: if the next finer level has n texels
+// along an axis and this one m, a texel covers n / m of them, which is 2 unless n is odd. Therefore pictures of any
+// size end at the border of a texel on every level. They are mirrored there, so no light is lost and no edge is
+// darker.
 #extension GL_EXT_scalar_block_layout : require
 #include "constant_ids.glsl"
 #include "render/post/bloom/bloom_push.h"
 #include "shared/color.h"
-
-ivec2 mirrored(ivec2 p, ivec2 size) {
-  p = mix(p, -1 - p, lessThan(p, ivec2(0)));
-  p = mix(p, 2 * size - 1 - p, greaterThanEqual(p, size));
-  return clamp(p, ivec2(0), size - 1);  // for pictures smaller than the filter
-}
 
 // The part of the light that glows: all light, or the part above a luminance threshold if `threshold` is positive.
 vec3 glowing(vec3 c, float threshold) {

@@ -10,7 +10,7 @@ layout(set = 0, binding = 2, rgba32f) uniform writeonly image2DArray result;
 layout(push_constant, scalar) uniform Push { BloomBlendPush push; };
 
 void main() {
-  vec3 arrives = enlarged(glow) * push.strength;
+  vec3 arrives = enlarged(glow, imageSize(result).xy) * push.strength;
   ivec3 place = ivec3(gl_GlobalInvocationID);
   if (any(greaterThanEqual(place.xy, imageSize(result).xy))) return;
   vec4 c = texelFetch(picture, place, 0) * push.scale;

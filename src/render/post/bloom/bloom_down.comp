@@ -1,9 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Bloom, downsampling: halves the size of a level with a filter of 13 taps (Jimenez 2014, Next Generation Post
-// Processing in Call of Duty: Advanced Warfare, SIGGRAPH course Advances in Real-Time Rendering). A tap is the mean of
-// 2x2 texels. Taps form five groups of four: the center group has weight 1/2, the four groups around it 1/8 each.
-// Invocations of a workgroup share their taps, so each texel computes two or three. Input: source. Output: result.
+// Processing in Call of Duty: Advanced Warfare, SIGGRAPH course Advances in Real-Time Rendering). A tap is the mean
+// over an area as large as a texel of the result, which is 2x2 texels of an even source. Taps form five groups of four:
+// the center group has weight 1/2, the four groups around it 1/8 each. Invocations of a workgroup share their taps, so
+// each texel computes two or three. Input: source. Output: result.
 #include "render/post/bloom/bloom.glsl"
 
 const int kSide = 16;
@@ -13,29 +14,37 @@ layout(set = 0, binding = 0) uniform sampler2DArray source;
 layout(set = 0, binding = 1, rgba32f) uniform writeonly image2DArray result;
 layout(push_constant, scalar) uniform Push { BloomDownPush push; };
 
-// Taps form two grids with a spacing of two texels. The outer grid begins two texels before the first texel of the
-// workgroup, the inner grid one texel before it.
+// Taps form two grids with a spacing of one texel of the result. The outer grid has the areas of its texels, beginning
+// one texel before the first of the workgroup. The areas of the inner grid are centered at the corners of texels.
 const int kOuter = kSide + 2, kInner = kSide + 1;
 shared vec3 outer[kOuter * kOuter];
 shared vec3 inner[kInner * kInner];
 
-// The mean of the 2x2 texels whose first one is `corner`.
-vec3 tap(ivec3 corner, ivec2 size) {
+// The mean over the area of one texel of the result around `center`, in half texels of the result. At the edges of the
+// source, areas that are outside equal their mirror images, and areas that are partly outside equal their inner halves.
+vec3 tap(ivec2 center) {
+  ivec2 size = textureSize(source, 0).xy, halves = 2 * imageSize(result).xy;
+  center = clamp(center, center & 1, halves - (center & 1));
+  // In units that make the borders of texels of both the source and the result integers, so that areas add up exactly.
+  ivec2 from = max(center - 1, 0) * size, to = min(center + 1, halves) * size;
+  ivec2 first = from / halves, last = (to - 1) / halves;
   vec3 sum = vec3(0.0);
-  for (int i = 0; i < 4; ++i) {
-    ivec2 place = mirrored(corner.xy + ivec2(i & 1, i >> 1), size);
-    sum += glowing(texelFetch(source, ivec3(place, corner.z), 0).rgb * push.scale, push.threshold);
-  }
-  return sum * 0.25;
+  for (int y = first.y; y <= last.y; ++y)
+    for (int x = first.x; x <= last.x; ++x) {
+      ivec2 place = ivec2(x, y);
+      vec2 share = vec2(min(to, (place + 1) * halves) - max(from, place * halves)) / vec2(to - from);
+      vec3 c = texelFetch(source, ivec3(place, gl_GlobalInvocationID.z), 0).rgb * push.scale;
+      sum += share.x * share.y * glowing(c, push.threshold);
+    }
+  return sum;
 }
 
 void shareTaps() {
-  ivec2 size = textureSize(source, 0).xy;
-  ivec3 first = ivec3(ivec2(gl_WorkGroupID.xy) * (2 * kSide), gl_GlobalInvocationID.z);
+  ivec2 first = ivec2(gl_WorkGroupID.xy) * kSide;
   for (int i = int(gl_LocalInvocationIndex); i < kOuter * kOuter; i += kSide * kSide)
-    outer[i] = tap(first + ivec3(2 * (i % kOuter) - 2, 2 * (i / kOuter) - 2, 0), size);
+    outer[i] = tap(2 * (first + ivec2(i % kOuter, i / kOuter)) - 1);
   for (int i = int(gl_LocalInvocationIndex); i < kInner * kInner; i += kSide * kSide)
-    inner[i] = tap(first + ivec3(2 * (i % kInner) - 1, 2 * (i / kInner) - 1, 0), size);
+    inner[i] = tap(2 * (first + ivec2(i % kInner, i / kInner)));
   barrier();
 }
 

@@ -10,7 +10,7 @@ layout(set = 0, binding = 2, rgba32f) uniform writeonly image2DArray result;
 layout(push_constant, scalar) uniform Push { BloomUpPush push; };
 
 void main() {
-  vec3 above = enlarged(coarse);
+  vec3 above = enlarged(coarse, imageSize(result).xy);
   ivec3 place = ivec3(gl_GlobalInvocationID);
   if (any(greaterThanEqual(place.xy, imageSize(result).xy))) return;
   imageStore(result, place, vec4(mix(texelFetch(fine, place, 0).rgb, above, push.radius), 0.0));
