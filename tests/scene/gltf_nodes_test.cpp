@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_access.hpp>
 #include <set>
@@ -225,16 +226,22 @@ TEST(GltfNodes, ExchangedPlanesOfOrthographicCamerasAreRepaired) {
 TEST(GltfNodes, AnglesThatShowNothingAreReplaced) {
   GltfBuilder b;
   b.node({{"camera", b.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", .1}}}})}});
-  for (const double angle : {3.1416, 3.3, 45.0, 1e30, 1e-30}) {
+  for (const auto& [angle, text] : {std::pair{3.1416, "3.1416"},
+                                    {3.3, "3.3"},
+                                    {45.0, "45"},
+                                    {1e30, "1e+30"},
+                                    {1e-30, "1e-30"},
+                                    {0.0, "0"},
+                                    {-1.0, "-1"}}) {
     b.root["cameras"][0]["perspective"]["yfov"] = angle;
     testing::internal::CaptureStderr();
     EXPECT_EQ(b.load().cameras.at(0).verticalFov, kDefaultVerticalFov);
-    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("is not possible"));
+    const std::string warnings = testing::internal::GetCapturedStderr();
+    EXPECT_THAT(warnings, HasSubstr(fmt::format("yfov of {} radians is not possible: 0.7 is used instead", text)));
+    EXPECT_EQ(std::ranges::count(warnings, '\n'), 1) << warnings;
   }
   b.root["cameras"][0]["perspective"]["yfov"] = 3.1;
   EXPECT_FLOAT_EQ(b.load().cameras.at(0).verticalFov, 3.1f);
-  b.root["cameras"][0]["perspective"]["yfov"] = -1;
-  EXPECT_EQ(b.load().cameras.at(0).verticalFov, kDefaultVerticalFov);
   b.root["cameras"][0]["perspective"]["yfov"] = "wide";
   EXPECT_THAT(errorOf(b), HasSubstr("yfov"));
 }
@@ -276,6 +283,23 @@ TEST(GltfNodes, OrthographicCameras) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("the camera at /flat has no width"));
   ASSERT_EQ(scene.cameras.size(), 1u);
   EXPECT_EQ(scene.cameras[0].name, "good");
+}
+
+TEST(GltfNodes, NegativeMagnificationsDoNotMirror) {
+  for (const auto& [xmag, ymag, warning] :
+       {std::tuple{-4, 3, "xmag of -4 is read as 4"}, {4, -3, "ymag of -3 is read as 3"}, {4, 3, ""}}) {
+    GltfBuilder b;
+    b.add("cameras",
+          {{"type", "orthographic"}, {"orthographic", {{"xmag", xmag}, {"ymag", ymag}, {"znear", 0}, {"zfar", 9}}}});
+    b.node({{"camera", 0}});
+    testing::internal::CaptureStderr();
+    const Camera camera = b.load().cameras.at(0);
+    const std::string warnings = testing::internal::GetCapturedStderr();
+    EXPECT_FLOAT_EQ(*camera.aspect * camera.yHalf, 4);
+    EXPECT_EQ(camera.yHalf, 3);
+    EXPECT_THAT(warnings, HasSubstr(warning));
+    EXPECT_EQ(std::ranges::count(warnings, '\n'), *warning ? 1 : 0) << warnings;
+  }
 }
 
 TEST(GltfNodes, PlanesAtZeroClipNothing) {

@@ -110,13 +110,21 @@ class Paths {
   size_t bytes_ = 0;
 };
 
+// Returns half the width or height of an orthographic camera. A negative one, which should not occur (glTF 2.0,
+// 5.13.1), would mirror the image.
+float readMagnification(double value, const char* key) {
+  if (value < 0)
+    warn("an orthographic camera's {} of {:g} is read as {:g}: images are not mirrored", key, value, -value);
+  return std::abs(float(value));
+}
+
 // Returns nullopt if the camera has no width, height or depth. The far plane is finite, because depth is linear between
 // the planes.
 std::optional<Camera> readProjection(const file::Orthographic& source) {
   Camera camera;
   camera.orthographic = true;
-  const float xHalf = std::abs(float(source.xmag));
-  camera.yHalf = std::abs(float(source.ymag));
+  const float xHalf = readMagnification(source.xmag, "xmag");
+  camera.yHalf = readMagnification(source.ymag, "ymag");
   camera.nearClip = float(source.znear);
   camera.farClip = float(source.zfar);
   if (xHalf == 0 || camera.yHalf == 0 || camera.nearClip == camera.farClip) return std::nullopt;

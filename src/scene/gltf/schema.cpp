@@ -237,7 +237,7 @@ constexpr Rule kAnimationRules[] = {objects("channels", &kChannel, true), object
                                     string("name")};
 constexpr Schema kAnimation{kAnimationRules};
 
-constexpr Rule kPerspectiveRules[] = {number("yfov", kPositive, kMaxFloat, true), number("znear", 0, kMaxFloat, true),
+constexpr Rule kPerspectiveRules[] = {number("yfov", -kMaxFloat, kMaxFloat, true), number("znear", 0, kMaxFloat, true),
                                       number("zfar", kPositive), number("aspectRatio", kPositive)};
 constexpr Schema kPerspective{kPerspectiveRules};
 constexpr Rule kOrthographicRules[] = {number("xmag", -kMaxFloat, kMaxFloat, true),
