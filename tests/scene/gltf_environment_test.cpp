@@ -98,6 +98,22 @@ TEST(ImageBasedLight, TurnsWithItsRotation) {
   expectClose(diffuse(scene, {0, 0, -1}), vec3(2 * .488603 / M_PI, .282095 / M_PI, 0));
 }
 
+// The images themselves have a size, so a wrong specularImageSize changes nothing.
+TEST(ImageBasedLight, TheSizeOfItsFacesIsThatOfTheImages) {
+  GltfBuilder b = litFile({});
+  for (const int size : {8, 256}) {
+    b.root["extensions"]["EXT_lights_image_based"]["lights"][0]["specularImageSize"] = size;
+    testing::internal::CaptureStderr();
+    const Scene scene = b.load();
+    const std::string warnings = testing::internal::GetCapturedStderr();
+    for (size_t i = 0; i < 6; ++i) expectClose(mirrored(scene, kAxes[i]), kRadiance[i]);
+    if (size == 8)
+      EXPECT_EQ(warnings, "");
+    else
+      EXPECT_THAT(warnings, HasSubstr("specularImageSize is 256, but its faces have 8x8 pixels"));
+  }
+}
+
 TEST(ImageBasedLight, RefusesWhatIsNoCube) {
   GltfBuilder b = litFile({});
   b.root["images"][3]["bufferView"] = b.view(squareOf({0, 0, 0, 255}, 4));

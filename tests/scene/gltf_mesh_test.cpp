@@ -29,6 +29,24 @@ TEST(GltfMesh, ListsStripsAndFans) {
   EXPECT_THAT(drawn(6).meshes[0].indices, ElementsAre(1, 2, 0, 2, 3, 0, 3, 4, 0));
 }
 
+// A list of triangles has a multiple of three corners (glTF 2.0, 3.7.2.1).
+TEST(GltfMesh, CornersAfterTheLastTriangleAreSkippedWithAWarning) {
+  const auto load = [](const std::vector<uint8_t>& indices, bool indexed) {
+    GltfBuilder b;
+    json primitive = {{"attributes", {{"POSITION", b.positions(std::vector<vec3>(indices.size(), vec3(0)))}}}};
+    if (indexed) primitive["indices"] = b.accessor(b.view(indices), kUnsignedByte, "SCALAR", indices.size());
+    b.mesh(primitive);
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(b.load().meshes.at(0).indices.size(), 3u);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(load({0, 1, 2}, true), "");
+  EXPECT_EQ(load({0, 1, 2}, false), "");
+  EXPECT_THAT(load({0, 1, 2, 3}, true), HasSubstr("has 4 indices, which is not a multiple of 3: the last one is"));
+  EXPECT_THAT(load({0, 1, 2, 3, 4}, true), HasSubstr("has 5 indices, which is not a multiple of 3: the last two are"));
+  EXPECT_THAT(load({0, 1, 2, 3}, false), HasSubstr("has 4 vertices, which is not a multiple of 3: the last one is"));
+}
+
 TEST(GltfMesh, PointsAndLinesAreLeftOut) {
   for (int mode : {0, 1, 2, 3}) {
     Scene scene = drawn(mode);

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "base/parallel.h"
 #include "scene/environment/environment.h"
 #include "scene/environment/octahedral_map.h"
@@ -140,6 +141,9 @@ void readEnvironment(const Document& document, Scene& scene) {
   const glm::mat3 turn = readTurn(*light);
   const auto intensity = float(light->intensity);
   const Cube cube(document, light->specularImages);
+  if (cube.side() != uint32_t(light->specularImageSize))
+    warn("the image-based light's specularImageSize is {}, but its faces have {}x{} pixels: it is ignored",
+         light->specularImageSize, cube.side(), cube.side());
   Environment environment = makeEnvironment(pictureOf(cube, turn, intensity));
   environment.diffuse = makeDiffuse(environment.diffuse.width, light->irradianceCoefficients, turn, intensity);
   environment.name = "scene";

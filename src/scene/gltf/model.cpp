@@ -177,6 +177,7 @@ ImageBasedLight readImageBasedLight(const json& source, size_t) {
   for (size_t i = 0; i < light.irradianceCoefficients.size(); ++i)
     light.irradianceCoefficients[i] = vectorOf<glm::vec3>(source["irradianceCoefficients"][i]);
   light.specularImages = source["specularImages"][0].get<std::array<int, 6>>();
+  light.specularImageSize = source["specularImageSize"].get<int>();
   return light;
 }
 

@@ -154,6 +154,7 @@ struct ImageBasedLight {  // EXT_lights_image_based
   double intensity = 1;
   std::array<glm::vec3, 9> irradianceCoefficients{};
   std::array<int, 6> specularImages{};  // the faces of the largest mip level
+  int specularImageSize = 0;            // their width as the file states it
 };
 
 // --- materials -------------------------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "scene/gltf/draco.h"
 #include "scene/gltf/vertices.h"
 
@@ -85,6 +86,9 @@ Source readSource(const Document& document, const file::Primitive& primitive, st
     corners.resize(vertexCount);
     std::iota(corners.begin(), corners.end(), 0u);
   }
+  if (const size_t rest = corners.size() % 3; mode == file::kTriangles && rest > 0)
+    warn("{} has {} {}, which is not a multiple of 3: the last {} skipped", source.name, corners.size(),
+         primitive.indices < 0 ? "vertices" : "indices", rest == 1 ? "one is" : "two are");
   source.indices = unroll(std::move(corners), mode);
   if (source.indices.empty()) badInput("{} has no triangles", source.name);
   narrow(source, vertexCount);
