@@ -161,19 +161,33 @@ SH_FUNC Reflectance filmedReflectance(vec3 f0, float f90, vec2 table, SurfaceLay
   return r;
 }
 
-// Computes the fractions of uniform light from all directions that the surface itself reflects, scatters and transmits,
-// as in surfaceReflectance().
-SH_FUNC void addReflectance(SH_INOUT(LayeredBrdf) b, vec3 toEye, vec2 table) {
+// Fractions of uniform light from all directions that the surface's lobe reflects, as in surfaceReflectance().
+struct LobeReflectance {
+  vec3 once;
+  vec3 more;
+  vec3 dielectric;  // both, of the part that is not metallic
+};
+SH_FUNC LobeReflectance lobeReflectance(LayeredBrdf b, vec3 toEye, vec2 table) {
   Surface s = b.surface;
   SurfaceLayers l = b.layers;
   float nv = saturate(dot(s.normal, toEye));
   float alpha = ggxAlpha(s.roughness);
   Reflectance dielectric = filmedReflectance(s.f0, s.f90, table, l, nv, alpha);
   Reflectance metal = filmedReflectance(s.baseColor, 1.0f, table, l, nv, alpha);
-  b.once = dielectric.once + (metal.once - dielectric.once) * s.metallic;
-  vec3 more = dielectric.more + (metal.more - dielectric.more) * s.metallic;
-  float left = saturate(1.0f - maxChannel(dielectric.once + dielectric.more));
-  b.scattered = more + diffuseColor(s) * left * keptDiffuse(l);
+  LobeReflectance r;
+  r.once = dielectric.once + (metal.once - dielectric.once) * s.metallic;
+  r.more = dielectric.more + (metal.more - dielectric.more) * s.metallic;
+  r.dielectric = dielectric.once + dielectric.more;
+  return r;
+}
+
+// Computes the fractions of uniform light that the surface itself reflects, scatters and transmits.
+SH_FUNC void addReflectance(SH_INOUT(LayeredBrdf) b, LobeReflectance r) {
+  Surface s = b.surface;
+  SurfaceLayers l = b.layers;
+  b.once = r.once;
+  float left = saturate(1.0f - maxChannel(r.dielectric));
+  b.scattered = r.more + diffuseColor(s) * left * keptDiffuse(l);
   b.behind = vec3(0.0f, 0.0f, 0.0f);
   b.seen = b.behind;
   if (!passesLight(l)) return;
@@ -252,7 +266,7 @@ SH_FUNC LayeredBrdf layeredBrdf(Surface s, SurfaceLayers l, vec3 toEye, uint sha
   b.stretched = stretchedFrame(s.normal, l.anisotropyDirection, s.roughness, b.layers.anisotropy);
   if (b.layers.anisotropy > 0.0f)
     tables.base = stretchedTable(b.stretched, toEye, clamp(dot(s.normal, toEye), kMinNv, 1.0f));
-  addReflectance(b, toEye, tables.base);
+  addReflectance(b, lobeReflectance(b, toEye, tables.base));
   s.scattered = b.scattered;
   b.base = surfaceBrdf(s, toEye, shading);
   if (b.compensated <= 0.0f) b.base.diffuse = b.base.diffuse * keptDiffuse(b.layers);
@@ -431,8 +445,10 @@ SH_FUNC void addSample(SH_INOUT(StretchedSum) sum, LayeredBrdf b, FilmCurve film
 // Returns the mean radiance over the lobe. The remaining fractions of the environment's light are computed from the
 // same directions, so that energy is conserved.
 SH_FUNC vec3 meanOfSum(SH_INOUT(LayeredBrdf) b, StretchedSum sum) {
-  addReflectance(b, b.base.toEye, sum.table);
-  b.once = sum.shares;
+  LobeReflectance r = lobeReflectance(b, b.base.toEye, sum.table);
+  r.dielectric = r.dielectric + sum.shares - r.once;  // a film differs, because it is evaluated at other angles
+  r.once = sum.shares;
+  addReflectance(b, r);
   vec3 least = vec3(1e-6f, 1e-6f, 1e-6f);
   return sum.light / max(sum.shares, least);
 }

@@ -474,20 +474,86 @@ TEST(Layers, WhiteOnesVanishInAWhiteRoom) {
   }
 }
 
+// The radiance of a stretched lobe under white light from all directions.
+vec3 underWhite(LayeredBrdf b) {
+  const FilmCurve film = filmCurve(b);
+  StretchedSum sum = emptySum();
+  for (uint i = 0u; i < kStretchedSamples; ++i) addSample(sum, b, film, baseSample(b, i), kWhite);
+  LayerLight white{kWhite, kWhite, kWhite, kWhite, kWhite};
+  white.base = meanOfSum(b, sum);
+  return shadeLayeredEnvironment(b, white);
+}
+
 // With a film some colors are lost, because the largest channel decides how much light reaches the base; none is
 // created.
 TEST(Layers, FilmsMakeNoLight) {
   Random random(9);
+  float mixed = 0.0f;
   for (int i = 0; i < 2000; ++i) {
     Surface s = someSurface(random, random.uniform());
     s.baseColor = kWhite, s.f0 = vec3(0.04f, 0.04f, 0.04f), s.f90 = 1.0f, s.ao = 1.0f;
     SurfaceLayers l = emptyLayers();
     l.iridescence = 1.0f, l.iridescenceIor = random.uniform(1.0f, 2.5f),
     l.iridescenceThickness = random.uniform(0.0f, 1500.0f);
-    const LayeredBrdf b = layeredBrdf(s, l, random.directionAbout(s.normal), kShadingGgx, kSomeTables);
+    const vec3 eye = random.directionAbout(s.normal);
+    const LayeredBrdf b = layeredBrdf(s, l, eye, kShadingGgx, kSomeTables);
     const vec3 seen = shadeLayeredEnvironment(b, {kWhite, kWhite, kWhite, kWhite, kWhite});
     for (int c = 0; c < 3; ++c) EXPECT_LE(seen[c], 1.00001f);
+    l.anisotropy = random.uniform();
+    l.anisotropyDirection = normalize(cross(s.normal, random.direction()));
+    // The film over a mixture of a metal and a dielectric is evaluated once, so the split between both is approximate.
+    mixed = std::max(mixed, maxChannel(underWhite(layeredBrdf(s, l, eye, kShadingGgx, kSomeTables))));
+    s.metallic = float(i % 2);
+    EXPECT_LE(maxChannel(underWhite(layeredBrdf(s, l, eye, kShadingGgx, kSomeTables))), 1.00001f);
   }
+  EXPECT_LE(mixed, 1.02f);
+  RecordProperty("stretched lobes of half metals", std::to_string(mixed));
+}
+
+// The minimum fraction of white light in a channel that a white dielectric with a film returns under an environment, as
+// in docs/accuracy.md.
+TEST(Layers, FilmsLoseLight) {
+  constexpr float kIors[] = {1.3f, 1.5f, 1.8f, 2.5f}, kRoughness[] = {0.0f, 0.2f, 0.4f, 0.6f, 1.0f};
+  constexpr double kLeast[4][5] = {{0.822, 0.852, 0.918, 0.936, 0.955},
+                                   {0.948, 0.957, 0.974, 0.981, 0.991},
+                                   {0.843, 0.854, 0.882, 0.892, 0.917},
+                                   {0.577, 0.589, 0.628, 0.638, 0.683}};
+  for (int r = 0; r < 5; ++r) {
+    float least[4] = {1, 1, 1, 1};
+    for (int step = 1; step <= 10; ++step) {
+      Surface s = emptySurface();
+      s.baseColor = kWhite, s.roughness = kRoughness[r], s.f0 = vec3(0.04f, 0.04f, 0.04f), s.f90 = 1.0f;
+      SurfaceLayers l = emptyLayers();
+      l.iridescence = 1.0f;
+      const vec3 eye = eyeAt(0.1 * step);
+      const LayerTables tables = tablesFor(s, l, eye);
+      for (int i = 0; i < 4; ++i)
+        for (float thickness = 0.0f; thickness <= 1200.0f; thickness += 10.0f) {
+          l.iridescenceIor = kIors[i], l.iridescenceThickness = thickness;
+          const LayeredBrdf b = layeredBrdf(s, l, eye, kShadingGgx, tables);
+          const vec3 seen = shadeLayeredEnvironment(b, {kWhite, kWhite, kWhite, kWhite, kWhite});
+          least[i] = std::min({least[i], seen.x, seen.y, seen.z});
+        }
+    }
+    for (int i = 0; i < 4; ++i) EXPECT_NEAR(least[i], kLeast[i][r], 1e-3) << kIors[i] << ' ' << kRoughness[r];
+  }
+}
+
+// The fraction of light that a film on a stretched lobe reflects is that of its three angles, also where it decides how
+// much light reaches the base: a white base returns all light of the channel that the film reflects most.
+TEST(Layers, StretchedFilmsReturnAllLightOfAChannel) {
+  for (const float ior : {1.3f, 1.8f})
+    for (const double cosine : {1.0, 0.7, 0.4, 0.15})
+      for (const float thickness : {250.0f, 400.0f, 700.0f})
+        for (const float strength : {0.01f, 0.4f, 1.0f}) {
+          Surface s = emptySurface();
+          s.baseColor = kWhite, s.roughness = 0.4f, s.f0 = vec3(0.04f, 0.04f, 0.04f), s.f90 = 1.0f;
+          SurfaceLayers l = emptyLayers();
+          l.iridescence = 1.0f, l.iridescenceIor = ior, l.iridescenceThickness = thickness, l.anisotropy = strength;
+          const vec3 eye = eyeAt(cosine, 0.5f);
+          const vec3 seen = underWhite(layeredBrdf(s, l, eye, kShadingGgx, kSomeTables));
+          EXPECT_NEAR(maxChannel(seen), 1.0f, 1e-5f) << ior << ' ' << cosine << ' ' << thickness << ' ' << strength;
+        }
 }
 
 }  // namespace
