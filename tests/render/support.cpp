@@ -90,21 +90,22 @@ scene::Mesh squareMesh(bool extras) {
   return mesh;
 }
 
-scene::Mesh sphereMesh(float radius) {
-  constexpr uint32_t kMeridians = 32, kParallels = 16;
+scene::Mesh sphereMesh(float radius, uint32_t parallels) {
+  const uint32_t meridians = 2 * parallels;
   scene::Mesh mesh;
   mesh.name = "sphere";
-  for (uint32_t j = 0; j <= kParallels; ++j)
-    for (uint32_t i = 0; i <= kMeridians; ++i) {
-      const glm::vec2 uv(static_cast<float>(i) / kMeridians, static_cast<float>(j) / kParallels);
+  for (uint32_t j = 0; j <= parallels; ++j)
+    for (uint32_t i = 0; i <= meridians; ++i) {
+      const glm::vec2 uv(static_cast<float>(i) / static_cast<float>(meridians),
+                         static_cast<float>(j) / static_cast<float>(parallels));
       const float around = 2 * shared::kPi * uv.x, down = shared::kPi * uv.y;
       const glm::vec3 normal(std::sin(down) * std::cos(around), std::cos(down), -std::sin(down) * std::sin(around));
       mesh.positions.push_back(normal * radius);
       mesh.attributes.push_back({normal, glm::vec4(-std::sin(around), 0, -std::cos(around), 1), uv});
     }
-  for (uint32_t j = 0; j < kParallels; ++j)
-    for (uint32_t i = 0; i < kMeridians; ++i) {
-      const uint32_t a = j * (kMeridians + 1) + i, b = a + kMeridians + 1;  // a is above b
+  for (uint32_t j = 0; j < parallels; ++j)
+    for (uint32_t i = 0; i < meridians; ++i) {
+      const uint32_t a = j * (meridians + 1) + i, b = a + meridians + 1;  // a is above b
       mesh.indices.insert(mesh.indices.end(), {a, b, b + 1, a, b + 1, a + 1});
     }
   scene::findBounds(mesh);

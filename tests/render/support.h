@@ -81,8 +81,8 @@ scene::Mesh squareMesh(bool extras = false);
 // mask, with texels so large that mip level 0 of the texture is sampled.
 void addSquareOfFourKinds(scene::Scene& scene);
 
-// A sphere around the origin with analytic normals, coarse enough to be rendered quickly.
-scene::Mesh sphereMesh(float radius);
+// A sphere around the origin with analytic normals, by default coarse enough to be rendered quickly.
+scene::Mesh sphereMesh(float radius, uint32_t parallels = 16);
 
 // An orthographic camera that looks along -Z from z = `distance` at the square [-half, half]^2, which fills a square
 // image.

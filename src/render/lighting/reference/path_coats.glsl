@@ -4,8 +4,15 @@
 // Refraction through Rough Surfaces), whose directions are distributed as facets are visible. That distributes exactly
 // the light that the surface does not reflect, so no light is lost to masking.
 //
-// Inside a volume, only its surface is left: facets that reflect or refract, by Schlick's term for the angle outside,
-// and totally beyond the critical angle; and the diffuse part.
+// Seen from inside a volume, the surface has no coats. It is a mix of three parts, with metalness m and transmission t:
+// - m: metal, whose facets reflect by Schlick's term, with the base color at normal incidence;
+// - (1 - m) t: clear dielectric, whose facets reflect by Schlick's term F for the angle outside, or totally beyond the
+//   critical angle, and refract the rest, 1 - F;
+// - (1 - m) (1 - t): the diffuse part, which light from inside reaches without crossing the dielectric's interface.
+// The fractions add up to 1, so white surfaces return all light toward each direction inside, as they do outside, where
+// the interface lies over the diffuse part, too. Smooth facets refract the fraction (1 - m) t (1 - F) in both
+// directions. The diffuse part scatters light also beyond the critical angle. It has to receive light from there as
+// well, because otherwise nothing could scatter that light back, and it would never leave a smooth sphere.
 #ifndef LATELIGHT_PATH_COATS_GLSL
 #define LATELIGHT_PATH_COATS_GLSL
 #include "render/glsl/ray_samples.glsl"
@@ -93,7 +100,7 @@ struct CoatedVertex {
   float ior;              // of the other side relative to the eye's; 0: the surface does not refract
   bool inside;            // the eye is inside the volume
   vec3 straight;          // fraction of light that passes straight on, for which directions are not sampled
-  vec3 left;              // inside: fraction of light for the diffuse part, below a random facet
+  float diffuse;          // inside: fraction of light for the diffuse part
   // Probabilities with which lobes are sampled; the remaining ones are the cosine's. Inside, `base` is that of facets.
   float base, coat, sheen, through, behind;
 };
@@ -119,11 +126,25 @@ LayeredBrdf pathBrdf(Surface s, SurfaceLayers l, vec3 toEye) {
   return layeredBrdf(s, l, toEye, pathShading(), t);
 }
 
-// The reflectance of a facet that is seen from inside. `ior` is that of the outside relative to the inside.
-vec3 insideFresnel(Surface s, float ior, float cosine) {
-  float sine2 = (1.0 - cosine * cosine) / (ior * ior);
-  if (sine2 >= 1.0) return vec3(1.0);
-  return schlick(specularF0(s), specularF90(s), sqrt(1.0 - sine2));
+// A facet that is seen from inside: the fractions of light that it reflects and refracts, and the probability with
+// which it is sampled as a mirror.
+struct InsideFacet {
+  vec3 mirrors;
+  vec3 refracts;
+  float mirrorChance;
+};
+
+InsideFacet insideFacet(CoatedVertex c, Surface s, vec3 toEye, vec3 facet) {
+  float cosine = saturate(dot(facet, toEye)), sine2 = (1.0 - cosine * cosine) / (c.ior * c.ior);
+  float dielectric = (1.0 - s.metallic) * c.b.layers.transmission;
+  vec3 fresnel = sine2 < 1.0 ? schlick(s.f0, s.f90, sqrt(1.0 - sine2)) : vec3(1.0);
+  InsideFacet f;
+  f.mirrors = dielectric * fresnel + s.metallic * schlick(s.baseColor, 1.0, cosine);
+  f.refracts = dielectric * (vec3(1.0) - fresnel);
+  // Exactly 1 beyond the critical angle, where there is no refracted direction.
+  float mirrors = maxChannel(f.mirrors), refracts = maxChannel(f.refracts);
+  f.mirrorChance = refracts > 0.0 ? mirrors / (mirrors + refracts) : 1.0;
+  return f;
 }
 
 void chooseChances(inout CoatedVertex c) {
@@ -137,14 +158,10 @@ void chooseChances(inout CoatedVertex c) {
   c.base = base / all, c.coat = coat / all, c.sheen = sheen / all, c.through = through / all, c.behind = behind / all;
 }
 
-// Inside a volume, the diffuse part receives what facets neither reflect nor transmit. The mean over the visible facets
-// has no closed form, so each vertex takes one of them.
-void chooseChancesInside(inout CoatedVertex c, Surface s, vec3 toEye) {
+void chooseChancesInside(inout CoatedVertex c, Surface s) {
   SurfaceLayers l = c.b.layers;
-  vec3 facet = sampleFacet(c.facets, toEye, nextSample());
-  vec3 passed = vec3(1.0) - insideFresnel(s, c.ior, saturate(dot(facet, toEye)));
-  c.left = passed * ((1.0 - s.metallic) * (1.0 - l.transmission));
-  c.base = max(1.0 - maxChannel(c.left), 0.1);
+  c.diffuse = (1.0 - s.metallic) * (1.0 - l.transmission);
+  c.base = max(1.0 - c.diffuse, 0.1);
   c.behind = (1.0 - c.base) * l.diffuseTransmission;
 }
 
@@ -160,27 +177,27 @@ CoatedVertex coatedVertex(Surface s, SurfaceLayers l, vec3 toEye, bool front) {
   c.straight = straight ? c.b.seen * c.b.under : vec3(0.0);
   if (straight || refracts) c.b.through = vec3(0.0);
   chooseChances(c);
-  c.left = vec3(0.0);
-  if (c.inside) chooseChancesInside(c, s, toEye);
+  c.diffuse = 0.0;
+  if (c.inside) chooseChancesInside(c, s);
   return c;
 }
 
 // --- inside a volume -------------------------------------------------------------------------------------------------
 
 // Facets that reflect or refract to the wrong side of the surface do so to the other one, mirrored by its plane.
-// Returns the density of a direction on the eye's side; `reflected` is the fraction of light for it.
-float insideMirror(CoatedVertex c, Surface s, vec3 toEye, vec3 toLight, inout vec3 reflected, bool weighted) {
-  vec3 facet = halfVector(toLight, toEye), fresnel = insideFresnel(s, c.ior, saturate(dot(facet, toEye)));
+// Both functions return the density of a direction, and add the fraction of light from there.
+float insideMirror(CoatedVertex c, Surface s, vec3 toEye, vec3 toLight, inout vec3 light) {
+  InsideFacet f = insideFacet(c, s, toEye, halfVector(toLight, toEye));
   float density = mirroredDensity(c.facets, toEye, toLight);
-  reflected += density * fresnel;
-  return weighted ? density * maxChannel(fresnel) : density;
+  light += density * f.mirrors;
+  return density * f.mirrorChance;
 }
-float insideRefraction(CoatedVertex c, Surface s, vec3 toEye, vec3 toLight, inout vec3 passed) {
+float insideRefraction(CoatedVertex c, Surface s, vec3 toEye, vec3 toLight, inout vec3 light) {
   vec3 facet;
   float density = refractedDensity(c.facets, toEye, toLight, c.ior, facet);
-  vec3 fresnel = insideFresnel(s, c.ior, saturate(dot(facet, toEye)));
-  passed += density * (vec3(1.0) - fresnel);
-  return density * (1.0 - maxChannel(fresnel));
+  InsideFacet f = insideFacet(c, s, toEye, facet);
+  light += density * f.refracts * s.baseColor;
+  return density * (1.0 - f.mirrorChance);
 }
 
 // Returns the density of a direction among facets, and the light from there in `light`.
@@ -188,11 +205,8 @@ float insideFacets(CoatedVertex c, Surface s, vec3 toEye, vec3 toLight, out vec3
   vec3 other = acrossPlane(s.normal, toLight);
   light = vec3(0.0);
   if (dot(s.normal, toLight) > 0.0)
-    return insideMirror(c, s, toEye, toLight, light, true) + insideMirror(c, s, toEye, other, light, true);
-  float density =
-      insideRefraction(c, s, toEye, toLight, light) + insideRefraction(c, s, toEye, other, light);
-  light *= diffuseColor(s) * c.b.layers.transmission;
-  return density;
+    return insideMirror(c, s, toEye, toLight, light) + insideMirror(c, s, toEye, other, light);
+  return insideRefraction(c, s, toEye, toLight, light) + insideRefraction(c, s, toEye, other, light);
 }
 
 vec3 insideReflectance(CoatedVertex c, Surface s, vec3 toEye, vec3 toLight) {
@@ -202,7 +216,7 @@ vec3 insideReflectance(CoatedVertex c, Surface s, vec3 toEye, vec3 toLight) {
   SurfaceLayers l = c.b.layers;
   vec3 scattered = cosine > 0.0 ? s.baseColor * (1.0 - l.diffuseTransmission)
                                 : l.diffuseTransmissionColor * l.diffuseTransmission;
-  return light + c.left * scattered * (abs(cosine) * kInvPi);
+  return light + c.diffuse * scattered * (abs(cosine) * kInvPi);
 }
 
 float insideDensity(CoatedVertex c, Surface s, vec3 toEye, vec3 toLight) {
@@ -215,7 +229,7 @@ float insideDensity(CoatedVertex c, Surface s, vec3 toEye, vec3 toLight) {
 vec3 sampleInside(CoatedVertex c, Surface s, vec3 toEye, vec2 u, float choice) {
   if (choice >= c.base) return cosineSample(choice < c.base + c.behind ? -s.normal : s.normal, u);
   vec3 facet = sampleFacet(c.facets, toEye, u);
-  bool mirrors = choice < c.base * maxChannel(insideFresnel(s, c.ior, saturate(dot(facet, toEye))));
+  bool mirrors = choice < c.base * insideFacet(c, s, toEye, facet).mirrorChance;
   vec3 toLight = mirrors ? mirroredBy(facet, toEye) : refractedBy(facet, toEye, c.ior);
   return (dot(s.normal, toLight) > 0.0) == mirrors ? toLight : acrossPlane(s.normal, toLight);
 }
