@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -172,7 +173,13 @@ ReadImage decodeNpy(std::span<const std::byte> bytes, const std::filesystem::pat
   ReadImage image = makeReadImage(shape[1], shape[0], usualChannels(channels), type->type, path);
   const std::byte* at = data.data();
   for (uint64_t i = 0; i < values; ++i, at += type->bytes) {
-    image.channels[i % channels].values[i / channels] = type->load(at);
+    const double value = type->load(at);
+    // Larger integers round to doubles, so that different ones would compare as equal.
+    if (type->type == ChannelType::Integer && std::abs(value) >= 0x1p53) {
+      badInput("'{}' holds an integer of 2^53 or more at pixel {},{}; use integers below 2^53, such as 32-bit ids",
+               path.string(), i / channels % shape[1], i / channels / shape[1]);
+    }
+    image.channels[i % channels].values[i / channels] = value;
   }
   return image;
 }

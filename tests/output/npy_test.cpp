@@ -1,5 +1,6 @@
 #include "output/npy.h"
 
+#include <bit>
 #include <cstring>
 
 #include "support.h"
@@ -73,6 +74,25 @@ TEST(Npy, OfOtherTypesIsRead) {
   const ReadImage half = decodeNpy(
       array("{'descr': '<f2', 'fortran_order': False, 'shape': (1, 1, 1)}", std::string_view("\x00\x3e", 2)), "x");
   EXPECT_EQ(half.channels[0].values, (std::vector<double>{1.5}));
+}
+
+// A double represents every integer up to 2^53, but not 2^53 + 1, which rounds to 2^53.
+TEST(Npy, RejectsIntegersThatDoublesRound) {
+  const auto read = [](const char* type, uint64_t second) {
+    const uint64_t values[] = {0, second};
+    const std::vector<uint64_t> shape{2, 1};
+    return decodeNpy(encodeNpy(type, shape, std::as_bytes(std::span(values))), "some/a.id.npy");
+  };
+  constexpr uint64_t kLimit = uint64_t{1} << 53;
+  EXPECT_EQ(read("<u8", kLimit - 1).channels[0].values, (std::vector<double>{0, 9007199254740991}));
+  EXPECT_EQ(read("<i8", 1 - kLimit).channels[0].values, (std::vector<double>{0, -9007199254740991}));
+  EXPECT_EQ(read("<f8", std::bit_cast<uint64_t>(1e300)).channels[0].values, (std::vector<double>{0, 1e300}));
+  for (const auto& [type, value] : {std::pair("<u8", kLimit + 1), std::pair("<i8", kLimit + 1),
+                                    std::pair("<u8", ~uint64_t{0}), std::pair("<i8", uint64_t{1} << 63)}) {
+    EXPECT_THAT(sentence(ExitCode::BadInput, [&] { read(type, value); }),
+                AllOf(HasSubstr("some/a.id.npy"), HasSubstr("pixel 0,1"), HasSubstr("below 2^53")))
+        << type << " " << value;
+  }
 }
 
 TEST(Npy, ThatIsNoPictureIsRefusedByWhatIsWrong) {
