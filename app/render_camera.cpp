@@ -7,17 +7,16 @@
 #include "app/parse.h"
 #include "base/error.h"
 #include "render/submit/session.h"
+#include "scene/camera_selector.h"
 #include "scene/framing.h"
 
 namespace latelight::app {
 
 namespace {
 
-const scene::Camera& findCamera(const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
-                                const std::string& requested) {
-  for (const scene::Camera& camera : cameras)
-    if (camera.name == requested) return camera;
-  if (auto index = parseIndex(requested); index && *index < cameras.size()) return cameras[*index];
+const scene::Camera& selectCamera(const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
+                                  const std::string& requested) {
+  if (const auto index = scene::findCamera(cameras, requested)) return cameras[*index];
   std::string names;
   for (size_t i = 0; i < scene.cameras.size(); ++i)
     names += fmt::format("{}{} \"{}\"", i ? ", " : "", i, scene.cameras[i].name);
@@ -49,7 +48,7 @@ scene::Camera placeCamera(const scene::Scene& scene, const std::vector<scene::Ca
   }
   scene::Camera camera;
   if (!o.camera.empty())
-    camera = findCamera(scene, cameras, o.camera);
+    camera = selectCamera(scene, cameras, o.camera);
   else
     camera = cameras.empty() ? scene::frameScene(scene, aspect) : cameras.front();
   if (o.fov && camera.orthographic)

@@ -106,13 +106,16 @@ void drawVariants(const view::State& state, const Send& send) {
 }
 
 void drawCameras(const view::State& state, const Send& send) {
-  const std::string shown = state.steered ? "(steered)" : state.camera.empty() ? "(the first)" : state.camera;
+  const auto label = [&](size_t index) { return fmt::format("{} {}", index, printable(state.cameras[index])); };
+  const std::string shown = state.steered          ? "(steered)"
+                            : state.camera.empty() ? "(the first)"
+                            : state.cameraIndex    ? label(*state.cameraIndex)
+                                                   : printable(state.camera);
   ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 8);
   if (ImGui::BeginCombo("##camera", shown.c_str())) {
     if (ImGui::Selectable("(the first)", shown == "(the first)")) send(view::UseCamera{""});
     for (size_t i = 0; i < state.cameras.size(); ++i)
-      if (ImGui::Selectable(fmt::format("{} {}", i, printable(state.cameras[i])).c_str()))
-        send(view::UseCamera{fmt::format("{}", i)});
+      if (ImGui::Selectable(label(i).c_str())) send(view::UseCamera{fmt::format("#{}", i)});
     ImGui::EndCombo();
   }
   ImGui::SameLine();

@@ -135,6 +135,7 @@ Json describe(const view::ViewSession& session, bool withLights) {
           {"variant", s.variant},
           {"cameras", s.cameras},
           {"camera", s.camera},
+          {"cameraIndex", s.cameraIndex ? Json(*s.cameraIndex) : Json()},
           {"steered", s.steered.has_value()},
           {"navigation", s.navigation == view::Navigation::Fly ? "fly" : "orbit"},
           {"animations", s.animations},

@@ -60,8 +60,9 @@ struct SetSplit {
   double at = 0.5;           // start of the right side, as a fraction of the width
   double amplification = 8;  // of differences
 };
+// Selects a camera of the scene: a name, an index, or "#" and an index, which is unambiguous (scene/camera_selector.h).
 struct UseCamera {
-  std::string name;  // name or index; empty: the initial camera
+  std::string name;  // empty: the initial camera
 };
 struct UseEnvironment {
   std::string name;  // a value of --hdri; empty: the scene's

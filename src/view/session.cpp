@@ -12,6 +12,7 @@
 #include "base/log.h"
 #include "output/png.h"
 #include "render/gbuffer/layout.h"
+#include "scene/camera_selector.h"
 #include "scene/file_frame.h"
 #include "scene/framing.h"
 #include "scene/light_types.h"
@@ -275,6 +276,8 @@ void ViewSession::Impl::describe() {
   state.variants = scene.variants;
   state.variant = start.load.variant;
   for (const scene::Camera& camera : scene.cameras) state.cameras.push_back(camera.name);
+  const auto index = state.camera.empty() ? std::nullopt : scene::findCamera(scene.cameras, state.camera);
+  state.cameraIndex = index ? std::optional(static_cast<uint32_t>(*index)) : std::nullopt;
   for (const scene::Animation& animation : scene.rig.animations) state.animations.push_back(animation.name);
   for (const render::LayoutTarget& target : s.layout->targets) state.targets.emplace_back(target.name);
   state.bytesPerPixel = s.layout->bytesPerPixel(s.normals->index).total();

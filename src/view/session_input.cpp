@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "output/files.h"
 #include "output/used_files.h"
+#include "scene/camera_selector.h"
 #include "scene/edit.h"
 #include "scene/file_frame.h"
 #include "scene/framing.h"
@@ -169,7 +170,10 @@ void ViewSession::Impl::moveSlider(double by) {
 // --- camera ---------------------------------------------------------------------------------------------------------
 
 void ViewSession::Impl::useCamera(const std::string& name) {
-  state.camera = name;
+  // The selector of an index becomes the camera's name if possible, so that commands are readable.
+  const std::vector<scene::Camera>& cameras = stage.scene().cameras;
+  const auto index = name.empty() ? std::nullopt : scene::findCamera(cameras, name);
+  state.camera = index ? scene::cameraSelector(cameras, *index) : name;
   control.reset();
   camera();  // throws if no camera has that name
 }

@@ -8,9 +8,9 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/parallel.h"
-#include "base/text.h"
 #include "render/submit/raster_choice.h"
 #include "render/submit/session.h"
+#include "scene/camera_selector.h"
 #include "scene/framing.h"
 #include "scene/load/load.h"
 #include "vk/shaders.h"
@@ -19,11 +19,9 @@ namespace latelight::view {
 
 namespace {
 
-const scene::Camera& findCamera(const std::vector<scene::Camera>& cameras, const std::string& requested) {
-  for (const scene::Camera& camera : cameras)
-    if (camera.name == requested) return camera;
-  if (const auto index = parseNumber<size_t>(requested); index && *index < cameras.size()) return cameras[*index];
-  badUsage("the scene has no camera \"{}\"", requested);
+const scene::Camera& selectCamera(const std::vector<scene::Camera>& cameras, const std::string& selector) {
+  if (const auto index = scene::findCamera(cameras, selector)) return cameras[*index];
+  badUsage("the scene has no camera \"{}\"", selector);
 }
 
 std::string textOf(const glm::dvec3& v) {
@@ -43,7 +41,7 @@ scene::Camera cameraOf(const scene::Scene& scene, const CameraChoice& choice, co
     return scene::lookAt(scene, choice.placed->eye, choice.placed->target, {}, fov);
   }
   const std::vector<scene::Camera> cameras = scene::posedCameras(scene, pose);
-  if (!choice.camera.empty()) return render::fitted(findCamera(cameras, choice.camera), s.cameraFit);
+  if (!choice.camera.empty()) return render::fitted(selectCamera(cameras, choice.camera), s.cameraFit);
   const float aspect = static_cast<float>(s.width) / static_cast<float>(s.height);
   return cameras.empty() ? scene::frameScene(scene, aspect) : render::fitted(cameras.front(), s.cameraFit);
 }

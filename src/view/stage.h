@@ -17,7 +17,7 @@ namespace latelight::view {
 
 // A camera of the scene, or the pose of an interactive camera.
 struct CameraChoice {
-  std::string camera;  // name or index; empty: the first, or one that frames the scene
+  std::string camera;  // scene/camera_selector.h; empty: the first, or one that frames the scene
   struct Placed {
     glm::dvec3 eye, target;  // in the scene file's coordinates
     double fov;              // vertical, in degrees

@@ -48,9 +48,10 @@ struct State {
   std::vector<std::string> variants;  // KHR_materials_variants
   std::string variant;                // empty: the file's default
 
-  std::vector<std::string> cameras;
-  std::string camera;                // current camera, by name or index; empty: the initial one
-  std::optional<Viewpoint> steered;  // pose of the interactive camera, which then replaces `camera`
+  std::vector<std::string> cameras;     // names, which may be empty or equal
+  std::string camera;                   // the value of --camera for the current camera; empty: the initial one
+  std::optional<uint32_t> cameraIndex;  // that camera's index in `cameras`; empty: the initial one
+  std::optional<Viewpoint> steered;     // pose of the interactive camera, which then replaces `camera`
   Navigation navigation = Navigation::Orbit;
 
   std::vector<std::string> animations;

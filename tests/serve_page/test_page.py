@@ -236,6 +236,29 @@ def test_mouse_keys_and_touch_move_the_camera(view, tmp_path):
     moved()
 
 
+def test_cameras_are_selected_by_index(page, tmp_path):
+    """Names that are numbers or equal do not select another camera."""
+    names = ["1", "cam", "cam"]
+    scene = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0, 1, 2]}],
+        "nodes": [{"name": name, "camera": 0} for name in names],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}],
+    }
+    (tmp_path / "scene.gltf").write_text(json.dumps(scene))
+    server = Server(tmp_path, tmp_path / "scene.gltf")
+    page.goto(server.url)
+    settle(page)
+    labels = page.eval_on_selector_all("#camera option", "(options) => options.map((each) => each.textContent)")
+    assert labels == ["the scene's first", "1", "cam (#1)", "cam (#2)"]
+    for index, word in enumerate(["--camera=1", "--camera=cam", "--camera=#2"]):
+        page.select_option("#camera", index=index + 1)
+        settle(page)
+        assert word in shlex.split(page.inner_text("#command"))
+        assert page.eval_on_selector("#camera", "(list) => list.selectedIndex") == index + 1
+    server.end()
+
+
 def test_a_second_button_ends_no_drag_and_begins_none(view):
     view.mouse.move(150, 200)
     view.mouse.down()

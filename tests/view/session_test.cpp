@@ -296,6 +296,35 @@ TEST(ViewSessionTest, ASteeredCameraIsAsTheCommandLineHasIt) {
   }
 }
 
+// Three cameras at x = 1, 2 and 3, the last two of which have the same name. Names have precedence over indices.
+TEST(ViewSessionTest, CamerasWhoseNamesAreNumbersOrEqualAreSelectedByIndex) {
+  const Folder folder;
+  folder.write("cameras.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
+      "nodes": [{"name": "1", "camera": 0, "translation": [1, 0, 0]},
+                {"name": "cam", "camera": 0, "translation": [2, 0, 0]},
+                {"name": "cam", "camera": 0, "translation": [3, 0, 0]}],
+      "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}]})");
+  Viewer viewer(small(folder.at("cameras.gltf")));
+  EXPECT_EQ(viewer.state().cameraIndex, std::nullopt);
+  struct Case {
+    const char *selector, *word;
+    uint32_t index;
+  };
+  for (const Case& c : {Case{"#0", "--camera=1", 0}, Case{"1", "--camera=1", 0}, Case{"#1", "--camera=cam", 1},
+                        Case{"cam", "--camera=cam", 1}, Case{"#2", "'--camera=#2'", 2}}) {
+    viewer(UseCamera{c.selector});
+    EXPECT_EQ(viewer.state().error, "");
+    EXPECT_EQ(viewer.state().cameraIndex, c.index) << c.selector;
+    EXPECT_THAT(viewer.state().command, HasSubstr(c.word));
+    expectAsRendered(viewer, c.selector);
+    viewer(Key{"+", true});  // moves toward the target, along the camera's axis
+    ASSERT_TRUE(viewer.state().steered);
+    EXPECT_NEAR(viewer.state().steered->eye.x, c.index + 1, 1e-6) << c.selector;
+  }
+  viewer(UseCamera{"#3"});
+  EXPECT_THAT(viewer.state().error, HasSubstr("no camera \"#3\""));
+}
+
 // A frame 4 times as wide as high in a picture of 16 by 9: the picture is 4 / (16 / 9) times as high as the frame.
 TEST(ViewSessionTest, ASteeredCameraShowsWhatTheFilesDid) {
   const Folder folder;

@@ -136,7 +136,7 @@ const shows = {
   variant: showVariants,
   lights: () => handles.show(state.lights),
   cameras: showCameras,
-  camera: showCameras,
+  cameraIndex: showCameras,
   steered: showCameras,
   navigation: () => ($("navigation").value = state.navigation),
   animations: showTime,
@@ -214,10 +214,13 @@ function showSplit() {
 }
 
 function showCameras() {
-  const own = state.cameras.map((name, i) => [name || String(i), name || `camera ${i}`]);
+  // Names may be empty, numbers or equal, so indices select the cameras.
+  const isUnique = (name) => state.cameras.indexOf(name) === state.cameras.lastIndexOf(name);
+  const label = (name, i) => (!name ? `camera ${i}` : isUnique(name) ? name : `${name} (#${i})`);
+  const own = state.cameras.map((name, i) => [`#${i}`, label(name, i)]);
   const begins = state.cameras.length ? "the scene's first" : "whole scene";
   fill($("camera"), [...(state.steered ? [["*", "moved by hand"]] : []), ["", begins], ...own]);
-  $("camera").value = state.steered ? "*" : state.camera;
+  $("camera").value = state.steered ? "*" : state.cameraIndex === null ? "" : `#${state.cameraIndex}`;
 }
 
 function showTime() {
