@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,7 @@ struct Arguments {
   std::vector<std::string> tolerances;  // "T" or "OUTPUT=T"
   double share = 0;
   double flip = -1;  // below 0: colors are judged by the tolerance
-  double pixelsPerDegree = output::kPixelsPerDegree;
+  std::optional<double> pixelsPerDegree;
   std::string difference;
   std::vector<std::string> channels;
   bool json = false;
@@ -108,7 +109,8 @@ double toleranceOf(std::string_view text) {
 }
 
 output::OutputOptions optionsOf(const Arguments& arguments) {
-  output::OutputOptions options{.channels = arguments.channels, .pixelsPerDegree = arguments.pixelsPerDegree};
+  output::OutputOptions options{.channels = arguments.channels,
+                                .pixelsPerDegree = arguments.pixelsPerDegree.value_or(output::kPixelsPerDegree)};
   for (const std::string& text : arguments.tolerances)
     if (const size_t equals = text.find('='); equals == std::string::npos)
       options.tolerance = toleranceOf(text);
@@ -154,12 +156,20 @@ void checkDifference(const Arguments& arguments) {
   checkWritable(arguments.difference);
 }
 
+// Only colors have a FLIP.
+void checkFlip(const std::vector<OutputDifference>& differences, const Arguments& arguments) {
+  if (std::ranges::find(differences, Measure::Color, &OutputDifference::measure) != differences.end()) return;
+  if (arguments.flip >= 0) badUsage("--flip judges colors, and none are compared: omit it, or use --tolerance");
+  if (arguments.pixelsPerDegree) badUsage("--ppd applies to the FLIP of colors, and none are compared: omit it");
+}
+
 void run(const Arguments& arguments) {
   const output::OutputOptions options = optionsOf(arguments);
   if (!arguments.difference.empty()) checkDifference(arguments);
   const output::ReadImage a = output::asOutput(output::readImage(arguments.first), arguments.first);
   const output::ReadImage b = output::asOutput(output::readImage(arguments.second), arguments.second);
   const std::vector<OutputDifference> differences = output::compareOutputs(a, b, options);
+  checkFlip(differences, arguments);
   const bool alike = std::ranges::all_of(differences, [&](const auto& d) { return isAlike(d, arguments); });
   if (!arguments.difference.empty())
     output::writePicture(arguments.difference, output::differencePicture(a.width, a.height, worstOf(differences)));

@@ -20,7 +20,7 @@ class CompareCommand : public InFolder {
     writePicture(at("b.png"), b);
     writePicture(at("small.png"), {1, 1, {0, 0, 0, 255}});
   }
-  // Returns its exit code, and sets `printed` to its output.
+  // Returns its exit code, and sets `printed` to its output and `message` to that of its error.
   int run(std::vector<std::string> arguments) {
     CLI::App cli;
     app::addCompareCommand(cli);
@@ -28,19 +28,21 @@ class CompareCommand : public InFolder {
     reversed.push_back("compare");
     testing::internal::CaptureStdout();
     int code = 0;
+    message.clear();
     try {
       cli.parse(reversed);
     } catch (const app::Exit& exit) {
       code = static_cast<int>(exit.code);
     } catch (const Error& error) {
       code = static_cast<int>(error.code());
+      message = error.what();
     } catch (const CLI::ParseError&) {
       code = static_cast<int>(ExitCode::Usage);
     }
     printed = testing::internal::GetCapturedStdout();
     return code;
   }
-  std::string printed;
+  std::string printed, message;
 };
 
 TEST_F(CompareCommand, ExitsByLikeness) {
@@ -110,6 +112,20 @@ TEST_F(CompareCommand, JudgesByFlip) {
   const double flip = nlohmann::json::parse(printed)["outputs"]["color"]["flip"];
   EXPECT_EQ(run({at("a.png"), at("b.png"), "--flip", fmt::format("{}", flip * 1.01)}), 0);
   EXPECT_EQ(run({at("a.png"), at("b.png"), "--flip", fmt::format("{}", flip * 0.99)}), 1);
+}
+
+TEST_F(CompareCommand, RejectsOptionsOfFlipWithoutColors) {
+  AovImage depth = makeAovImage(Aov::Depth, 2, 1);
+  depth.values = {2, 3};
+  writeFile(at("a.depth.npy"), encodeNpy(depth));
+  EXPECT_EQ(run({at("a.depth.npy"), at("a.depth.npy"), "--flip", "0.1", "--diff", at("d.png")}), 2);
+  EXPECT_THAT(message, HasSubstr("--flip judges colors"));
+  EXPECT_FALSE(std::filesystem::exists(at("d.png")));
+  EXPECT_EQ(run({at("a.depth.npy"), at("a.depth.npy"), "--ppd", "30"}), 2);
+  EXPECT_THAT(message, HasSubstr("--ppd applies to the FLIP of colors"));
+  EXPECT_EQ(printed, "");
+  EXPECT_EQ(run({at("a.depth.npy"), at("a.depth.npy")}), 0);
+  EXPECT_EQ(run({at("a.png"), at("a.png"), "--flip", "0.1", "--ppd", "30"}), 0);
 }
 
 TEST_F(CompareCommand, EndsWithBadInputOrUsage) {
