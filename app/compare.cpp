@@ -149,8 +149,8 @@ void print(const std::vector<OutputDifference>& differences, const Arguments& ar
 void checkDifference(const Arguments& arguments) {
   if (arguments.difference == "-")
     badUsage("--diff - and the report both write to standard output; give --diff a name that ends in .png");
-  if (output::formatOf(arguments.difference) != output::Format::Png)
-    badUsage("--diff writes PNG; give it a name that ends in .png");
+  if (!output::isPngName(arguments.difference))
+    badUsage("--diff writes PNG; give it a name that ends in .png, not \"{}\"", arguments.difference);
   const std::filesystem::path inputs[] = {arguments.first, arguments.second}, outputs[] = {arguments.difference};
   output::UsedFiles(inputs).checkOutputs(outputs);
   checkWritable(arguments.difference);
@@ -206,7 +206,7 @@ void addCompareCommand(CLI::App& app) {
   command
       ->add_option("--ppd", arguments->pixelsPerDegree,
                    "Pixels per degree of FLIP's observer; 67: 0.7 m from a screen 0.7 m wide with 3840 pixels across")
-      ->capture_default_str()
+      ->default_str(fmt::format("{:g}", output::kPixelsPerDegree))
       ->check(CLI::Range(1.0, 1000.0));
   command->add_option("--channel", arguments->channels, "Compare only these channels, for example R,G,B or Z")
       ->type_name("LIST")

@@ -126,8 +126,8 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::D
   const bool isPictureOptional = !o.picks.empty() || !o.labels.empty() || !o.correspond.empty();
   if (o.out.empty() && (!isPictureOptional || debug || !o.aovs.empty()))
     badUsage("--out is required: give the output file with -o, unless only --pick, --labels or --correspond is used");
-  if (debug && o.out != "-" && output::formatOf(o.out) != output::Format::Png)
-    badUsage("--debug writes PNG; give -o a name that ends in .png");
+  if (debug && !output::isPngName(o.out))
+    badUsage("--debug writes PNG; give -o a name that ends in .png, not \"{}\"", o.out);
   checkStandardOutput(o);
   planGraph(o);
   if (o.out.empty()) return request;

@@ -24,6 +24,16 @@ std::string lowered(std::string text) {
   return text;
 }
 
+// Returns nothing if the extension is unknown.
+std::optional<Format> knownFormatOf(std::string_view pattern) {
+  if (pattern == kStandardOutput) return Format::Png;
+  const std::string ending = lowered(fs::path(pattern).extension().string());
+  if (ending == ".png") return Format::Png;
+  if (ending == ".exr") return Format::Exr;
+  if (ending == ".npy") return Format::Npy;
+  return std::nullopt;
+}
+
 bool hasPlaceholder(std::string_view pattern, std::string_view name) {
   return pattern.find(fmt::format("{{{}}}", name)) != std::string_view::npos;
 }
@@ -137,12 +147,12 @@ void forgetMotion(FrameOutput& frame, bool previous, bool next) {
 }
 
 Format formatOf(std::string_view pattern) {
-  if (pattern == kStandardOutput) return Format::Png;
-  const std::string ending = lowered(fs::path(pattern).extension().string());
-  if (ending == ".png") return Format::Png;
-  if (ending == ".exr") return Format::Exr;
-  if (ending == ".npy") return Format::Npy;
+  if (const std::optional<Format> format = knownFormatOf(pattern)) return *format;
   badUsage("the output \"{}\" has an unknown file extension; use .png, .exr or .npy", pattern);
+}
+
+bool isPngName(std::string_view pattern) {
+  return knownFormatOf(pattern) == Format::Png;
 }
 
 bool usesDisplay(const OutputRequest& request) {

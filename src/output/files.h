@@ -53,6 +53,9 @@ void forgetMotion(FrameOutput& frame, bool previous, bool next);
 // Returns the format for the pattern's extension. Throws Error(Usage) that names the three extensions.
 Format formatOf(std::string_view pattern);
 
+// Returns true for a name that ends in .png and for "-". Other names, also without a known extension, are not PNG.
+bool isPngName(std::string_view pattern);
+
 // Returns true if color is output as FrameOutput::display (PNG) instead of the Color AOV.
 bool usesDisplay(const OutputRequest& request);
 

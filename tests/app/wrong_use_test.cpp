@@ -390,6 +390,7 @@ INSTANTIATE_TEST_SUITE_P(
         output("Debug", "a.png", {"--debug", "smell"}, {"\"smell\"", "depth"}),
         output("DebugAndAov", "a.png", {"--debug", "depth", "--aov", "depth"}, {"--debug", "--aov"}),
         output("DebugExr", "a.exr", {"--debug", "depth"}, {".png"}),
+        output("DebugJpg", "a.jpg", {"--debug", "depth"}, {"--debug writes PNG", "a.jpg"}),
         output("AovThatPngHasNot", "a.png", {"--aov", "position"}, {"position", ".exr"}),
         output("Ending", "a.jpg", {}, {"a.jpg", ".png, .exr or .npy"}),
         output("NoEnding", "a", {}, {"\"a\"", ".png, .exr or .npy"}), output("Nameless", "", {}, {"--out is required"}),

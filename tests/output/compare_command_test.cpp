@@ -142,6 +142,7 @@ TEST_F(CompareCommand, EndsWithBadInputOrUsage) {
 TEST_F(CompareCommand, WritesADifferencePictureToPngFilesOnly) {
   for (const char* name : {"d.jpg", "d", "d.exr"}) {
     EXPECT_EQ(run({at("a.png"), at("b.png"), "--diff", at(name)}), 2);
+    EXPECT_EQ(message, fmt::format("--diff writes PNG; give it a name that ends in .png, not \"{}\"", at(name)));
     EXPECT_FALSE(std::filesystem::exists(at(name)));
   }
   for (const auto& more : {std::vector<std::string>{}, {"--json"}}) {
