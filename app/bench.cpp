@@ -1,4 +1,4 @@
-// `latelight bench`: measures device times pass by pass, alternating between the rasters.
+// `latelight bench`: measures device times pass by pass, alternating between the rasters unless --raster chooses one.
 #include "study/bench.h"
 
 #include <fmt/core.h>
@@ -85,13 +85,8 @@ void inScene(vk::Device& device, RenderOptions& o, const std::string& name, cons
   measure(renderer, scene, camera, timeline.momentAt(timeline.first()));
 }
 
-void refuseRaster(const RenderOptions& o) {
-  if (o.isExplicit("raster")) badUsage("bench measures both rasters: omit --raster");
-}
-
 void runFrame(BenchArguments& a) {
   refuseOutputs(a.render);
-  refuseRaster(a.render);
   a.render.settings.display = true;
   onDevice(a.render, [&](vk::Device& device) {
     inScene(device, a.render, a.render.scene,

@@ -122,15 +122,16 @@ class ScenePage {
     BarChart chart{"Bytes per pixel of each layout", "bytes", {"targets", "depth", "light"}, {}};
     study::Table table{
         "layouts", {"layout", "description", "targets B/px", "depth B/px", "light B/px", "total B/px", "image MB"}, {}};
-    const double pixels = double(s_.settings.width) * s_.settings.height;
+    const double samples = double(s_.settings.width) * s_.settings.height * s_.settings.aa.samples;
     for (const render::Layout& layout : render::layouts()) {
       const render::LayoutBytes bytes = layout.bytesPerPixel(s_.settings.normals->index);
       chart.bars.push_back({layout.name, {double(bytes.targets), double(bytes.depth), double(bytes.light)}});
       table.rows.push_back({layout.name, layout.description, double(bytes.targets), double(bytes.depth),
-                            double(bytes.light), double(bytes.total()), bytes.total() * pixels / 1e6});
+                            double(bytes.light), double(bytes.total()), bytes.total() * samples / 1e6});
     }
     std::string html = "<h3>Bytes per pixel</h3>\n" + toHtml(chart) + toHtml(table, "Bytes of each layout") +
-                       commandHtml(Words{"list", "layouts", "--size", sizeText()});
+                       commandHtml(Words{"list", "layouts", "--size", sizeText(), "--samples",
+                                         fmt::format("{}", s_.settings.aa.samples)});
     std::string targets;
     study::Table errors{"layout errors",
                         {"layout", "normal mean deg", "max deg", "position mean mm", "max mm", "albedo mean", "max",

@@ -102,8 +102,10 @@ std::string commandsOf(const Subject& s, const std::vector<Timed>& all) {
     std::vector<std::string> words = joined({"bench", "frame"}, optionsFor(s, *timed.settings.layout));
     if (!timed.settings.lighting->forward)
       words = joined(std::move(words), std::vector<std::string>{"--layout", timed.settings.layout->name});
-    html += commandHtml(joined(std::move(words), std::vector<std::string>{"--lighting", timed.settings.lighting->name,
-                                                                          "--runs", fmt::format("{}", s.runs)}));
+    html +=
+        commandHtml(joined(std::move(words), std::vector<std::string>{"--lighting", timed.settings.lighting->name,
+                                                                      "--raster", render::nameOf(timed.settings.raster),
+                                                                      "--runs", fmt::format("{}", s.runs)}));
   }
   return html;
 }
@@ -129,11 +131,8 @@ std::string timesHtml(const Subject& s) {
   measure(s, layouts);
   measure(s, techniques);
   if (layouts.front().samples.names.empty()) return "<p>This device does not support timestamps.</p>\n";
-  return fmt::format(
-             "<p>Medians of --runs {} frames that stay on the device, with the raster {} (the rows of that raster in "
-             "the "
-             "output of these commands).</p>\n",
-             s.runs, render::nameOf(s.settings.raster)) +
+  return fmt::format("<p>Medians of --runs {} frames that stay on the device, with the raster {}.</p>\n", s.runs,
+                     render::nameOf(s.settings.raster)) +
          compared(s, "Layouts", layouts) + compared(s, "Lighting techniques", techniques);
 }
 

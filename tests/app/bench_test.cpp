@@ -86,6 +86,21 @@ TEST(Bench, MeasuresAFramePassByPass) {
     EXPECT_THAT(outcome.out, HasSubstr(part));
 }
 
+TEST(Bench, MeasuresAFrameWithTheRasterOfTheOptions) {
+  for (const char* raster : {"hardware", "compute", "rays"}) {
+    const Outcome outcome = bench({"frame", "builtin:boxes", "--device", "cpu", "--size", "64x48", "--runs", "1",
+                                   "--shadows", "none", "--raster", raster, "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.text();
+    const json rows = json::parse(outcome.out)["frame"];
+    ASSERT_GE(rows.size(), 4u);  // visibility, lighting, compose and all
+    for (const json& row : rows) {
+      EXPECT_EQ(row["raster"], raster);
+      EXPECT_GT(row["ms"], 0);
+    }
+    EXPECT_EQ(rows.back()["pass"], "all");
+  }
+}
+
 TEST(Bench, MeasuresManyViews) {
   const Outcome outcome = bench({"views", "builtin:boxes", "--device", "cpu", "--size", "16x16", "--views", "8",
                                  "--runs", "2", "--aov", "depth,id", "--json"});
@@ -206,7 +221,6 @@ TEST(Bench, SaysWhatItCannotDo) {
       {{"worlds", "--no-side-file"}, "omit --no-side-file"},
       {{"rays", "--correspond", "x.npz"}, "omit --correspond"},
       {{"lights", "--pick", "1,1"}, "omit --pick"},
-      {{"frame", "--raster", "compute"}, "omit --raster"},
       {{"frame", "builtin:nothing"}, "no built-in scene"},
       {{"lights", "builtin:boxes"}, "a fixed number of lights"},
       {{"lights", "model.glb"}, "built-in scene"},

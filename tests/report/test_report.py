@@ -1,5 +1,6 @@
 """`latelight report` in a browser: its values, its controls, and who can use it."""
 
+import html
 import json
 import os
 import re
@@ -119,6 +120,33 @@ def test_bytes_are_those_of_the_list(opened):
         numbers = [float(number) for number in row.locator("data").evaluate_all("all => all.map((d) => d.value)")]
         sizes = layout["bytes"]
         assert numbers == [sizes["targets"], sizes["depth"], sizes["light"], sizes["total"], sizes["picture"] / 1e6]
+
+
+def test_commands_state_the_raster_and_the_samples(folder):
+    """A page of options that affect the memory and the times of passes."""
+    path = folder / "options.html"
+    options = ["builtin:boxes", "--size", "64x36", "--device", "cpu", "--shadows", "none"]
+    latelight("report", *options, "--raster", "rays", "--aa", "msaa4", "--runs", 1, "-o", path)
+    page = path.read_text()
+    commands = [html.unescape(command) for command in re.findall(r'class="command"><code>latelight (.*?)</code>', page)]
+
+    (listed,) = (command for command in commands if command.startswith("list layouts"))
+    assert shlex.split(listed) == ["list", "layouts", "--size", "64x36", "--samples", "4"]
+    table = re.search(r"Bytes of each layout.*?</table>", page, re.DOTALL)[0]
+    rows = re.findall(r"<tr>(.*?)</tr>", table, re.DOTALL)
+    sizes = {}
+    for row in rows:
+        if found := re.findall(r'<data value="([^"]*)"', row):
+            *_, total, megabytes = (float(number) for number in found)
+            sizes[total] = megabytes
+    assert sizes
+    for total, megabytes in sizes.items():
+        assert megabytes == pytest.approx(total * 64 * 36 * 4 / 1e6, rel=1e-12)
+
+    timed = [command for command in commands if command.startswith("bench frame")]
+    assert timed and all("--raster rays" in command for command in timed)
+    report = json.loads(latelight(*shlex.split(timed[0]), "--json")[0])
+    assert {row["raster"] for row in report["frame"]} == {"rays"}
 
 
 def target(page, layout, begin):
