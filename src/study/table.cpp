@@ -26,6 +26,16 @@ std::string csvText(const Cell& cell) {
   return '"' + text + '"';
 }
 
+nlohmann::ordered_json toJson(const Cell& cell) {
+  if (const auto* text = std::get_if<std::string>(&cell)) {
+    if (text->empty()) return nullptr;
+    return *text;
+  }
+  const double number = std::get<double>(cell);
+  if (std::isfinite(number)) return number;
+  return csvText(cell);  // JSON has no infinity
+}
+
 }  // namespace
 
 std::string toText(const Table& table) {
@@ -66,15 +76,7 @@ nlohmann::ordered_json toJson(const Table& table) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const std::vector<Cell>& row : table.rows) {
     nlohmann::ordered_json object = nlohmann::ordered_json::object();
-    for (size_t i = 0; i < row.size(); ++i) {
-      const auto* number = std::get_if<double>(&row[i]);
-      if (!number)
-        object[table.columns[i]] = std::get<std::string>(row[i]);
-      else if (std::isfinite(*number))
-        object[table.columns[i]] = *number;
-      else
-        object[table.columns[i]] = csvText(row[i]);  // JSON has no infinity
-    }
+    for (size_t i = 0; i < row.size(); ++i) object[table.columns[i]] = toJson(row[i]);
     rows.push_back(object);
   }
   return rows;

@@ -17,9 +17,9 @@ struct Table {
   bool shown = true;  // printed on standard output; long tables only go to files
 };
 
-std::string shortText(const Cell& cell);  // counts in full, measured numbers with three significant digits
-std::string toText(const Table& table);   // aligned columns of short texts
-std::string toCsv(const Table& table);    // RFC 4180; numbers in full, "inf" where infinite
-nlohmann::ordered_json toJson(const Table& table);
+std::string shortText(const Cell& cell);            // counts in full, measured numbers with three significant digits
+std::string toText(const Table& table);             // aligned columns of short texts
+std::string toCsv(const Table& table);              // RFC 4180; numbers in full, "inf" where infinite
+nlohmann::ordered_json toJson(const Table& table);  // an empty text, which stands for a missing value, is null
 
 }  // namespace latelight::study
