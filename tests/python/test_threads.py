@@ -20,7 +20,7 @@ camera = scene.default_camera()
 before = renderer.render(camera, (64, 64))["rgba"]
 try:
     print("ready", flush=True)
-    renderer.render(camera, (256, 256), aa="ss16")
+    renderer.render(camera, (512, 512), aa="ss16")
     print("it was not interrupted")
 except KeyboardInterrupt:
     print("interrupted" if (renderer.render(camera, (64, 64))["rgba"] == before).all() else "it renders otherwise")
