@@ -355,72 +355,73 @@ TEST(Waiting, TheCallbackMayReplaceItself) {
   EXPECT_THAT(texts, ElementsAre(std::string(100, 'a'), "second"));
 }
 
+// Pictures and a ray, with the results of calls that wait undisturbed.
+struct AwaitedWork {
+  Scene scene{"builtin:boxes"};
+  Renderer renderer{scene, latelight::test::testDevice()};
+  Camera camera = scene.defaultCamera(1);
+  Options options = square({"depth"});
+  std::array<double, 3> origin{0, 0, 5}, direction{0, 0, -1};
+  std::vector<float> depths = renderer.render(camera, options).aovs.at("depth").values;
+  std::vector<float> distances = renderer.cast({&origin, 1}, {&direction, 1}).distance;
+};
+
 TEST(Waiting, TheCallbackMayDestroyOrMoveTheTicketThatWaits) {
-  const Scene scene("builtin:boxes");
-  Renderer renderer(scene, latelight::test::testDevice());
-  const Camera camera = scene.defaultCamera(1);
-  const Options options = square({"depth"});
-  const std::array<double, 3> origin{0, 0, 5}, direction{0, 0, -1};
-  const std::vector<float> depths = renderer.render(camera, options).aovs.at("depth").values;
-  const std::vector<float> distances = renderer.cast({&origin, 1}, {&direction, 1}).distance;
+  AwaitedWork work;
   const auto takeWhile = [&](const auto& take, const std::function<void()>& change) {
     int changes = 0;
-    renderer.whileWaiting([&] { changes++ == 0 ? change() : void(); });
+    work.renderer.whileWaiting([&] { changes++ == 0 ? change() : void(); });
     passInterval();
     auto result = take();
     EXPECT_GT(changes, 0);
-    renderer.whileWaiting({});
+    work.renderer.whileWaiting({});
     return result;
   };
-  auto pictures = std::make_unique<Ticket>(renderer.submit({camera}, options));
+  auto pictures = std::make_unique<Ticket>(work.renderer.submit({work.camera}, work.options));
   const std::vector<Frame> frames = takeWhile([&] { return pictures->take(); }, [&] { pictures.reset(); });
-  EXPECT_EQ(frames.front().aovs.at("depth").values, depths);
+  EXPECT_EQ(frames.front().aovs.at("depth").values, work.depths);
 
-  auto arrays = std::make_unique<Ticket>(renderer.submit({camera}, options, Results::Arrays));
+  auto arrays = std::make_unique<Ticket>(work.renderer.submit({work.camera}, work.options, Results::Arrays));
   const auto taken = takeWhile([&] { return arrays->takeArrays(); }, [&] { arrays.reset(); });
-  std::vector<float> copied(depths.size());
+  std::vector<float> copied(work.depths.size());
   taken.at("depth").copyToHost(std::as_writable_bytes(std::span(copied)));
-  EXPECT_EQ(copied, depths);
+  EXPECT_EQ(copied, work.depths);
 
   float distance = 0;
   auto rays = std::make_unique<CastTicket>(
-      renderer.submitCast({&origin, 1}, {&direction, 1}, CastTargets{.distance = &distance}));
+      work.renderer.submitCast({&work.origin, 1}, {&work.direction, 1}, CastTargets{.distance = &distance}));
   takeWhile([&] { return rays->take(), true; }, [&] { rays.reset(); });
-  EXPECT_EQ(std::vector{distance}, distances);
+  EXPECT_EQ(std::vector{distance}, work.distances);
 
-  Ticket moved = renderer.submit({camera}, options), other = renderer.submit({camera}, options);
+  Ticket moved = work.renderer.submit({work.camera}, work.options),
+         other = work.renderer.submit({work.camera}, work.options);
   EXPECT_EQ(takeWhile([&] { return moved.take(); }, [&] { other = std::move(moved); }).size(), 1u);
   EXPECT_TRUE(other.done());
   EXPECT_THAT(refused([&] { other.take(); }), HasSubstr("taken already"));
 }
 
 TEST(Waiting, TicketsCanBeTakenAfterAnException) {
-  const Scene scene("builtin:boxes");
-  Renderer renderer(scene, latelight::test::testDevice());
-  const Camera camera = scene.defaultCamera(1);
-  const Options options = square({"depth"});
-  const std::array<double, 3> origin{0, 0, 5}, direction{0, 0, -1};
-  const std::vector<float> depths = renderer.render(camera, options).aovs.at("depth").values;
-  const std::vector<float> distances = renderer.cast({&origin, 1}, {&direction, 1}).distance;
-  Ticket pictures = renderer.submit({camera}, options);
-  Ticket arrays = renderer.submit({camera}, options, Results::Arrays);
+  AwaitedWork work;
+  Ticket pictures = work.renderer.submit({work.camera}, work.options);
+  Ticket arrays = work.renderer.submit({work.camera}, work.options, Results::Arrays);
   float distance = 0;
-  CastTicket rays = renderer.submitCast({&origin, 1}, {&direction, 1}, CastTargets{.distance = &distance});
+  CastTicket rays =
+      work.renderer.submitCast({&work.origin, 1}, {&work.direction, 1}, CastTargets{.distance = &distance});
   const auto interrupt = [&](const std::function<void()>& take) {
-    renderer.whileWaiting([] { throw std::runtime_error("stop"); });
+    work.renderer.whileWaiting([] { throw std::runtime_error("stop"); });
     passInterval();
     EXPECT_THROW(take(), std::runtime_error);
-    renderer.whileWaiting({});
+    work.renderer.whileWaiting({});
   };
   interrupt([&] { pictures.take(); });
   interrupt([&] { arrays.takeArrays(); });
   interrupt([&] { rays.take(); });
-  EXPECT_EQ(pictures.take().front().aovs.at("depth").values, depths);
-  std::vector<float> copied(depths.size());
+  EXPECT_EQ(pictures.take().front().aovs.at("depth").values, work.depths);
+  std::vector<float> copied(work.depths.size());
   arrays.takeArrays().at("depth").copyToHost(std::as_writable_bytes(std::span(copied)));
-  EXPECT_EQ(copied, depths);
+  EXPECT_EQ(copied, work.depths);
   rays.take();
-  EXPECT_EQ(std::vector{distance}, distances);
+  EXPECT_EQ(std::vector{distance}, work.distances);
   EXPECT_THAT(refused([&] { pictures.take(); }), HasSubstr("taken already"));
   EXPECT_THAT(refused([&] { arrays.takeArrays(); }), HasSubstr("taken already"));
   EXPECT_THAT(refused([&] { rays.take(); }), HasSubstr("taken already"));
