@@ -15,7 +15,7 @@ from ._core import (
 )
 from ._from_mujoco import MujocoScene, from_mujoco
 from ._model_builder import missing
-from ._options import integers, reject_options
+from ._options import integers, reject_options, require
 from .errors import ArgumentTypeError, UsageError
 
 
@@ -25,11 +25,6 @@ def _data_of(envs: Any) -> list[Any]:
     if each is None or not all(hasattr(env.unwrapped, "data") for env in each):
         raise UsageError("the environments must be a SyncVectorEnv of MuJoCo environments, or `worlds` must be given")
     return [env.unwrapped.data for env in each]
-
-
-def _check(value: Any, kind: type, name: str) -> None:
-    if value is not None and not isinstance(value, kind):
-        raise ArgumentTypeError(f"{name} must be a {kind.__name__}, not {type(value).__name__}")
 
 
 def _check_combination(scene: Any, worlds: Any, renderer: Any, device: Any) -> None:
@@ -100,8 +95,10 @@ def add_pixels(
     reject_options(options, names, 'a wrapped environment returns "pixels" as NumPy arrays of (..., H, W, 3)')
     _check_world_keywords(options)
     size = _size_of(size)
-    _check(scene, MujocoScene, "scene")
-    _check(renderer, Renderer, "renderer")
+    if scene is not None:
+        require(scene, MujocoScene, "scene")
+    if renderer is not None:
+        require(renderer, Renderer, "renderer")
     _check_combination(scene, worlds, renderer, device)
     if worlds is None:
         _data_of(envs)  # raises UsageError for other environments
