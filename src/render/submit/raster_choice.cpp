@@ -109,10 +109,11 @@ constexpr uint64_t kMinTrianglesPerInstance = 100;
 
 // Returns true if rays are the faster raster for these worlds, and supported.
 bool choosesRays(const vk::Device& device, const Settings& settings, const scene::Scene& scene, RasterUse use) {
+  if (use != RasterUse::Worlds || !device.isCpu() || requestsOutput(settings, Origin::Raster)) return false;
+  const uint64_t triangles = scene.triangleCount(), instances = scene.instances.size();
   const double samples = double(settings.width) * settings.height * settings.aa.samples;
-  return use == RasterUse::Worlds && device.isCpu() && supportsRaysInWorlds(device, scene.instances.size()) &&
-         !requestsOutput(settings, Origin::Raster) && scene.triangleCount() > kTrianglesPerRay * samples &&
-         scene.triangleCount() > kMinTrianglesPerInstance * scene.instances.size();
+  return triangles > kTrianglesPerRay * samples && triangles > kMinTrianglesPerInstance * instances &&
+         missingForRaysInWorlds(device, instances).empty();
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "render/rays/worlds/world_bvh.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 
@@ -21,19 +23,17 @@ vk::PipelineRef worldPipeline(vk::Device& device, const char* shader, const char
       vk::ComputeDesc{.shader = shader, .pushBytes = sizeof(shared::WorldBvhPush), .name = name});
 }
 
-void checkSupport(const vk::Device& device, uint32_t instances) {
-  if (!device.features().core.features.shaderFloat64)
-    badUsage("rays in worlds require 64-bit floats in shaders, which {} lacks: render worlds with shadow maps",
-             device.info().name);
-  if (device.isCpu() && instances > kMaxInstancesOnCpu)
-    badUsage("on a CPU device, rays in worlds support scenes of at most {} instances, and this scene has {}",
-             kMaxInstancesOnCpu, instances);
-}
-
 }  // namespace
 
-bool supportsRaysInWorlds(const vk::Device& device, uint64_t instances) {
-  return device.features().core.features.shaderFloat64 && !(device.isCpu() && instances > kMaxInstancesOnCpu);
+std::string missingForRaysInWorlds(const vk::Device& device, uint64_t instances) {
+  if (!device.features().core.features.shaderFloat64)
+    return fmt::format(
+        "rays in worlds require 64-bit floats in shaders, which {} lacks: render worlds with shadow maps",
+        device.info().name);
+  if (device.isCpu() && instances > kMaxInstancesOnCpu)
+    return fmt::format("on a CPU device, rays in worlds support scenes of at most {} instances, and this scene has {}",
+                       kMaxInstancesOnCpu, instances);
+  return "";
 }
 
 WorldBvh::WorldBvh(vk::Device& device)
@@ -51,7 +51,7 @@ void WorldBvh::update(const GpuScene& scene, std::vector<shared::MeshHierarchy> 
                       vk::Uploader& uploader) {
   const GpuWorlds& worlds = scene.worlds();
   const uint32_t instances = scene.instances().count();
-  checkSupport(device_, instances);
+  if (const std::string lacks = missingForRaysInWorlds(device_, instances); !lacks.empty()) badUsage("{}", lacks);
   if (!pipelines_)
     pipelines_ = {worldPipeline(device_, "world_instances.comp", "instances of worlds"),
                   worldPipeline(device_, "world_emitters.comp", "emitters of worlds")};

@@ -10,6 +10,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "render/gpu_scene/gpu_scene.h"
@@ -19,8 +20,9 @@
 
 namespace latelight::render {
 
-// Returns true if WorldBvh::update() accepts scenes of so many instances on the device.
-bool supportsRaysInWorlds(const vk::Device& device, uint64_t instances);
+// Returns why the device does not support rays in worlds of a scene with this number of instances, as a sentence
+// without its period; empty if it does.
+std::string missingForRaysInWorlds(const vk::Device& device, uint64_t instances);
 
 class WorldBvh {
  public:
