@@ -17,8 +17,7 @@ namespace {
 int endWithoutDisplay(::Display*) {
   std::fputs(
       "latelight: the connection to the display was lost, and the windows with it; `latelight serve` shows the same "
-      "views "
-      "in a browser\n",
+      "views in a browser\n",
       stderr);
   std::_Exit(static_cast<int>(ExitCode::NoDevice));
 }

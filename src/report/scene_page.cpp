@@ -147,11 +147,10 @@ class ScenePage {
 
   static std::string errorsHtml(const study::Table& errors) {
     return "<h3>Errors of layouts in this scene</h3>\n<p>Unpacked surfaces relative to those of the layout exact, over "
-           "all "
-           "pixels that show a surface: the angle between normals, the distance between positions, the largest channel "
+           "all pixels that show a surface: the angle between normals, the distance between positions, the largest "
+           "channel "
            "error of the linear diffuse color of lit surfaces, and perceptual roughness. The command at the top of "
-           "this "
-           "page creates this table.</p>\n" +
+           "this page creates this table.</p>\n" +
            toHtml(errors, "Errors of each layout");
   }
 

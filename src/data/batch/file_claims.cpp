@@ -53,8 +53,7 @@ void FileClaims::checkIsWritten(const std::string& file, size_t reader) const {
     if (folders_.contains(std::string_view(name).substr(0, slash + 1))) return;
   badUsage(
       "formats: {} (formats[{}]) reads '{}', which no format of the job writes: remove \"write-pictures\": false, or "
-      "add "
-      "a format that writes these images and give their names with \"picture\"",
+      "add a format that writes these images and give their names with \"picture\"",
       job_.formats[reader].name, reader, name);
 }
 

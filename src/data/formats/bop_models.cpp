@@ -15,8 +15,7 @@ namespace {
 
 constexpr std::string_view kTakes =
     "models of the format bop takes an object of regular expressions of nodes' paths and the obj_id of each, from 1, "
-    "or "
-    "a .json file with such an object or with the list models/models.json of another set";
+    "or a .json file with such an object or with the list models/models.json of another set";
 
 constexpr uint64_t kLargestNumber = 2'147'483'647;
 

@@ -226,8 +226,7 @@ LensRays::LensRays(vk::Device& device, const LensPicture& picture)
   if (device.isCpu() && bins.most > kMaxOnCpu)
     badUsage(
         "on a CPU device at most {} pixels of an image may have nearly the same direction, such as those at a pole: "
-        "use "
-        "a smaller image",
+        "use a smaller image",
         kMaxOnCpu);
   starts = vk::uploadedBuffer(device, "lens rays by pixels", std::as_bytes(std::span(bins.starts)));
   pixels = vk::uploadedBuffer(device, "lens pixels", std::as_bytes(std::span(bins.pixels)));

@@ -82,8 +82,7 @@ void RenderJob::checkNeighbors() const {
     if (!std::ranges::equal(*neighbors, std::span(now).first(neighbors->size()), {}, bendsRays, bendsRays))
       badUsage(
           "a camera with a lens that bends rays needs such a lens in its previous and next cameras as well, and a "
-          "camera "
-          "without one needs neighbors without one");
+          "camera without one needs neighbors without one");
 }
 
 shared::View RenderJob::viewOf(size_t view, const CameraSample& sample, const glm::dvec3& origin) const {
