@@ -981,7 +981,7 @@ void expectSameAlone(vk::Device& device, const scene::Scene& scene, const std::v
 
 // A lamp in a half-open box beside a metal sphere: light arrives by glossy, Lambertian and blocked connections.
 struct LitCorner : FloorScene {
-  LitCorner() : FloorScene(sphereMesh(1), placedSphere(), lamp()) {
+  explicit LitCorner(float lampRadius = 0) : FloorScene(sphereMesh(1), placedSphere(), lamp(lampRadius)) {
     scene::Scene& scene = builder.scene;
     material(0).data.baseColor = glm::vec4(0.8f, 0.6f, 0.4f, 1);
     scene.instances[1].material = addMaterial(scene, vec3(0.9f, 0.7f, 0.5f));
@@ -1011,14 +1011,18 @@ struct LitCorner : FloorScene {
     placed[3] = glm::dvec4(0.5, 0, 0.5, 1);
     return placed;
   }
-  static scene::Light lamp() {
+  static scene::Light lamp(float radius) {
     scene::Light light;
     light.type = shared::kLightPoint;
     light.intensity = 3;
     light.position = dvec3(-0.6, 0.2, 0.8);
+    light.size = radius;
     return light;
   }
 };
+
+// The sphere is within eight radii of the second lamp, so all pixels of a workgroup share its highlights.
+constexpr std::array kLampRadii{0.0f, 0.15f};
 
 output::FrameOutput renderWith(vk::Device& device, const LitCorner& corner, uint32_t samples, bool reference) {
   Settings settings = corner.settings(24, 24, samples);
@@ -1032,11 +1036,14 @@ output::FrameOutput renderWith(vk::Device& device, const LitCorner& corner, uint
 // Pixels of --indirect path share their paths, and those of --lighting reference do not. Both have the same mean, and
 // shared paths have less noise.
 TEST_F(RayLightTest, SharedPathsHaveLessNoiseAndTheSameMean) {
-  const LitCorner corner;
-  const output::FrameOutput truth = renderWith(device(), corner, 1024, true),
-                            shared = renderWith(device(), corner, 32, false);
-  EXPECT_NEAR(meanColor(shared) / meanColor(truth), 1, 0.01);
-  EXPECT_LT(differenceOf(shared, truth), 0.7 * differenceOf(renderWith(device(), corner, 32, true), truth));
+  for (const float radius : kLampRadii) {
+    SCOPED_TRACE(radius);
+    const LitCorner corner(radius);
+    const output::FrameOutput truth = renderWith(device(), corner, 1024, true),
+                              shared = renderWith(device(), corner, 32, false);
+    EXPECT_NEAR(meanColor(shared) / meanColor(truth), 1, 0.01);
+    EXPECT_LT(differenceOf(shared, truth), 0.7 * differenceOf(renderWith(device(), corner, 32, true), truth));
+  }
 }
 
 // The walls of these kinds are translucent or have coats.
@@ -1085,11 +1092,14 @@ TEST_F(RayLightTest, DistantCoatsAndGlassChangeNothing) {
 
 // Groups of pixels that share paths do not reach beyond views, also at borders that cut workgroups.
 TEST_F(RayLightTest, SharedPathsDoNotDependOnOtherViews) {
-  const LitCorner corner;
-  scene::Camera second = corner.camera;
-  second.toWorld[3].x = 0.3;
-  const Settings settings = corner.settings(37, 21, 2);
-  expectSameAlone(device(), corner.builder.scene, {corner.camera, second}, settings);
+  for (const float radius : kLampRadii) {
+    SCOPED_TRACE(radius);
+    const LitCorner corner(radius);
+    scene::Camera second = corner.camera;
+    second.toWorld[3].x = 0.3;
+    const Settings settings = corner.settings(37, 21, 2);
+    expectSameAlone(device(), corner.builder.scene, {corner.camera, second}, settings);
+  }
 }
 
 // --- the filter ------------------------------------------------------------------------------------------------------

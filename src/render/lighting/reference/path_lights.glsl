@@ -19,9 +19,10 @@ struct LightRay {
   float density;  // of the direction, 1/sr; not for lights
   // For punctual lights: the direction to the center, which shading uses, and the intensity times attenuation.
   vec3 centered, arriving;
+  bool close;  // the light is within a few of its radii
 };
 LightRay lightRay(vec3 radiance, vec3 toLight, float far, float density) {
-  return LightRay(radiance, toLight, far, density, toLight, vec3(0.0));
+  return LightRay(radiance, toLight, far, density, toLight, vec3(0.0), false);
 }
 LightRay noLightRay() { return lightRay(vec3(0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0); }
 
@@ -63,7 +64,8 @@ LightRay rayToLight(FrameConstants frame, PathVertex v, float distance) {
   float away = length(way);
   // Geometry nearer to a light than its radius is the light's own body.
   float far = directional ? 3.0e38 : max(away - light.size - rayOffset(light.position, away), 0.0);
-  return LightRay(choice.light, way / away, far, 0.0, choice.toLight, choice.arriving);
+  bool close = !directional && away < kCloseRadii * light.size;
+  return LightRay(choice.light, way / away, far, 0.0, choice.toLight, choice.arriving, close);
 }
 
 // --- area lights -----------------------------------------------------------------------------------------------------

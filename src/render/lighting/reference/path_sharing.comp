@@ -2,16 +2,23 @@
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, visible
 // functions: kept
-// Pixels share their paths (Bekaert, Sbert and Halton 2002, Accelerating Path Tracing by Re-Using Paths). A group of
-// kGroup pixels traces a path each; every pixel then connects its visible surface to the second surfaces of all these
-// paths, which costs one shadow ray each, and receives the light that they reflect by their Lambertian lobes, and the
-// light of lights that they reflect by their specular lobes.
+// Pixels share their paths (Bekaert, Sbert and Halton 2002, Accelerating Path Tracing by Re-Using Paths). Each pixel of
+// a group traces a path; then it connects its visible surface to the second surfaces of all these paths, which costs
+// one shadow ray each, and receives the light that they reflect: by their Lambertian lobes, and that of lights and of
+// third surfaces by their specular lobes.
 //
-// The balance heuristic combines the kGroup techniques by which the pixels could have found a surface, each with the
-// density by which its pixel samples directions, if nothing blocks the connection (Veach and Guibas 1995). With these
-// weights, the light of a surface is divided by the sum of all densities there, so the estimator is unbiased, and a
-// connection contributes no more than the path that found the surface. Pixels of a group are apart, so that neighbors
-// have independent noise. A filter removes most of what a larger group would, so groups are smaller with it.
+// The balance heuristic combines the techniques by which the pixels could have found a surface, each with the density
+// by which its pixel samples directions, if nothing blocks the connection (Veach and Guibas 1995). With these weights,
+// the light of a surface is divided by the sum of all densities there, so the estimator is unbiased, and a connection
+// contributes no more than the path that found the surface. For light that a specular lobe reflects of a third surface,
+// densities are those of both directions.
+//
+// Pixels of a group are apart, so that neighbors have independent noise. Where lamps are, it has 64 pixels, because
+// paths rarely find the bright surfaces around them; otherwise 32, and 16 before a filter, which removes most of what
+// a larger group would. The highlights of lamps on metal close to them, such as their fixtures, have the most noise: a
+// few paths find them. All pixels of the workgroup share these.
+//
+// Records are shared in rounds of kRound, first those of the groups and then those that glare.
 //
 // Inputs: the G-buffer, and the records of paths.comp. Outputs are those of paths.comp.
 #define ONE_SAMPLE
@@ -30,21 +37,77 @@ layout(constant_id = kFilteredConstant) const uint kFiltered = 0;
 #include "render/lighting/reference/path_record.glsl"
 #include "render/lighting/reference/path_sums.glsl"
 
-const uint kStepX = kFiltered != 0u ? 4u : 2u, kStepY = 2u;  // between the pixels of a group
-const uint kSideX = kPixelGroupX / kStepX, kSideY = kPixelGroupY / kStepY;
-const uint kGroup = kSideX * kSideY;
-const uint kPixels = kPixelGroupX * kPixelGroupY;
+const uint kPixels = 2u * kPixelGroupX * kPixelGroupY;  // of a workgroup
+const uint kRound = 16u;
 
-shared float densities[kPixels * kGroup];  // by pixel of the workgroup, and by member of its group
-shared float densitySums[kPixels];
+// A group has every kStep-th pixel of a region of the workgroup.
+const uvec2 kStep = uvec2(kFiltered != 0u ? 4u : 2u, 2u);
+uvec2 region = uvec2(kPixelGroupX, kPixelGroupY);
+uint groupSize() { return region.x / kStep.x * (region.y / kStep.y); }
+uint groupRounds() { return groupSize() / kRound; }
 
-// Returns a member's position in the workgroup. `own`: that of a pixel of the group.
-uvec2 memberPlace(uvec2 own, uint member) {
-  const uvec2 step = uvec2(kStepX, kStepY);
-  return own % step + step * uvec2(member % kSideX, member / kSideX);
-}
-uint memberOf(uvec2 own) { return own.y / kStepY * kSideX + own.x / kStepX; }
+shared float densities[kPixels * kRound];  // by pixel of the workgroup, and by record of a round
+shared float densitySums[kPixels];         // of the pixel's record
+shared float onwardSums[kPixels];          // the same, with the density of the direction onward
+shared uint glaring[kPixels / 32u];        // a bit for each pixel whose record glares
+shared uint glarers[kPixels];              // these pixels, in their order
+
 uint indexOf(uvec2 place) { return place.y * kPixelGroupX + place.x; }
+
+// Returns the index in the workgroup of a member of the group of a pixel.
+uint memberIndex(uvec2 own, uint member) {
+  uint side = region.x / kStep.x;
+  return indexOf(own / region * region + own % kStep + kStep * uvec2(member % side, member / side));
+}
+uint memberOf(uvec2 own) {
+  uvec2 place = own % region / kStep;
+  return place.y * (region.x / kStep.x) + place.x;
+}
+
+// Lists the pixels whose records glare. Returns their number.
+uint listGlarers(uint index, bool glares) {
+  if (index < kPixels / 32u) glaring[index] = 0u;
+  barrier();
+  if (glares) atomicOr(glaring[index / 32u], 1u << (index % 32u));
+  barrier();
+  uint count = 0u, before = 0u;
+  for (uint i = 0u; i < kPixels / 32u; ++i) {
+    uint earlier = i < index / 32u ? ~0u : (i == index / 32u ? (1u << (index % 32u)) - 1u : 0u);
+    before += uint(bitCount(glaring[i] & earlier));
+    count += uint(bitCount(glaring[i]));
+  }
+  if (glares) glarers[before] = index;
+  barrier();
+  return count;
+}
+
+struct Round {
+  uint index;
+  bool ofGroup;  // records of the groups; otherwise, those that glare
+  uint glarers;  // of all rounds
+};
+
+// Returns the pixel whose record is the `i`th one of a round, or kPixels.
+uint recordPixel(Round round, uvec2 own, uint i) {
+  uint first = round.index * kRound;
+  if (round.ofGroup) return memberIndex(own, first + i);
+  uint glarer = first - groupSize() + i;
+  return glarer < round.glarers ? glarers[glarer] : kPixels;
+}
+
+// Adds the densities of all pixels that share a record, one record per invocation. Returns that record's pixel, or
+// kPixels.
+uint sumDensities(Round round, uvec2 own, out float sum) {
+  uint index = indexOf(own), member = memberOf(own), pixel = kPixels;
+  if (round.ofGroup && member / kRound == round.index) pixel = index;
+  if (!round.ofGroup && index < kRound) pixel = recordPixel(round, own, index);
+  uint column = round.ofGroup ? member % kRound : index;
+  uint sharers = pixel == kPixels ? 0u : (round.ofGroup ? groupSize() : kPixels);
+  sum = 0.0;
+  for (uint i = 0u; i < sharers; ++i)
+    sum += densities[(round.ofGroup ? memberIndex(own, i) : i) * kRound + column];
+  return pixel;
+}
 
 // A connection from the visible surface to that of a record.
 struct Connection {
@@ -75,20 +138,81 @@ float recordDensity(FrameConstants frame, PathVertex v, vec3 origin, PathRecord 
   return isHit(traceRay(frame, ray, kRayTwoSided | kRayStopAtFirst | translucentRays())) ? 0.0 : density;
 }
 
-// Adds the light that the surface of a record sends through a connection.
-void addConnection(inout PathLight sum, PathVertex v, vec3 origin, PathRecord r, bool isOwn, float densitySum) {
-  Connection c = connectionTo(origin, r, isOwn);
-  vec3 radiance = recordRadiance(r, -c.direction) * pathReflectance(v, c.direction, false) * (c.solidAngle / densitySum);
+// Adds radiance that arrives through a connection.
+void addConnection(inout PathLight sum, PathVertex v, Connection c, vec3 radiance) {
+  radiance *= pathReflectance(v, c.direction, false) * c.solidAngle;
   vec3 mirrored = lobeShare(v, c.direction);
   sum.scattered += radiance * (1.0 - mirrored);
   sum.mirrored += radiance * mirrored;
+}
+
+// A visible surface, and the sample whose paths it shares.
+struct Sharer {
+  PathVertex v;
+  vec3 origin;  // of its rays
+  ivec3 place;  // its pixel
+  uvec2 own;    // the same in the workgroup
+  ivec2 size;   // of the image
+  bool lit;
+  uint sampleIndex;
+};
+
+// A pixel of the workgroup in the image.
+ivec2 placeOf(Sharer s, uint pixel) {
+  return s.place.xy - ivec2(s.own) + ivec2(pixel % kPixelGroupX, pixel / kPixelGroupX);
+}
+PathRecord recordOfPixel(Sharer s, uint pixel) {
+  return recordAt(recordAddress(s.sampleIndex, ivec3(placeOf(s, pixel), s.place.z), s.size));
+}
+
+// Adds the light of the records of a round.
+void addRound(inout PathLight light, FrameConstants frame, Sharer s, Round round) {
+  uint index = indexOf(s.own);
+  for (uint i = 0u; i < kRound; ++i) {
+    uint pixel = recordPixel(round, s.own, i);
+    float density = 0.0;
+    if (s.lit && pixel < kPixels && all(lessThan(placeOf(s, pixel), s.size))) {
+      PathRecord r = recordOfPixel(s, pixel);
+      if (!round.ofGroup || isShared(r)) density = recordDensity(frame, s.v, s.origin, r, pixel == index);
+    }
+    densities[index * kRound + i] = density;
+  }
+  barrier();
+  float sum;
+  uint summed = sumDensities(round, s.own, sum), seen = 0u;
+  if (summed < kPixels) densitySums[summed] = sum;
+  barrier();
+  for (uint i = 0u; i < kRound; ++i) {
+    if (!(densities[index * kRound + i] > 0.0)) continue;
+    seen |= 1u << i;
+    uint pixel = recordPixel(round, s.own, i);
+    PathRecord r = recordOfPixel(s, pixel);
+    float density = r.lobeDensity;
+    if (pixel != index && sharesLobe(r)) density = onwardDensity(r, normalize(s.origin - r.position));
+    densities[index * kRound + i] *= density;
+  }
+  barrier();
+  summed = sumDensities(round, s.own, sum);
+  if (summed < kPixels) onwardSums[summed] = sum;
+  barrier();
+  for (uint i = 0u; i < kRound; ++i) {
+    if ((seen >> i & 1u) == 0u) continue;
+    uint pixel = recordPixel(round, s.own, i);
+    PathRecord r = recordOfPixel(s, pixel);
+    Connection c = connectionTo(s.origin, r, pixel == index);
+    vec3 radiance;
+    if (round.ofGroup) radiance = recordRadiance(r, -c.direction, vec2(densitySums[pixel], onwardSums[pixel]));
+    else radiance = recordGlare(r, -c.direction) / densitySums[pixel];
+    addConnection(light, s.v, c, radiance);
+  }
+  barrier();  // the next round writes densities
 }
 
 void main() {
   bindSurfaces(push.frame, push.shown);
   FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   ivec3 place = ownPixel();
-  uvec2 local = mortonPixel(gl_LocalInvocationIndex);
+  uvec2 local = mortonPixel(gl_LocalInvocationID.x) + uvec2(0u, gl_LocalInvocationID.y * kPixelGroupY);
   View view = frameView(frame, place.z);
   bool inside = all(lessThan(vec2(place.xy), view.size));
   LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);
@@ -101,40 +225,17 @@ void main() {
   vec3 origin = p.s.position + p.s.geonormal * rayOffset(p.s.position, distance(p.s.position, view.eye));
   PathLight albedos = PathLight(vec3(1.0), vec3(1.0));
   if (kFiltered != 0u && !eye.starts) albedos = albedosOf(v);
-  ivec2 size = imageSize(lightTarget).xy;
-  uint index = indexOf(local), self = memberOf(local);
+  if (kFiltered == 0u && kLights != 0u && frame.lightCount > frame.directionalLights) region.y *= 2u;
+  Sharer sharer = Sharer(v, origin, place, local, imageSize(lightTarget).xy, lit, push.first);
   PathSums sums = PathSums(vec4(0.0), vec4(0.0));
   if (inside) sums = earlierSums(place);
-  uint i = push.first;
   do {  // tested at the end, because lavapipe would execute the body once more
-    barrier();  // the densities may still be read, for the sample before
-    for (uint member = 0u; member < kGroup; ++member) {
-      ivec3 other = ivec3(place.xy - ivec2(local) + ivec2(memberPlace(local, member)), place.z);
-      float density = 0.0;
-      if (lit && all(lessThan(other.xy, size))) {
-        PathRecord r = recordAt(recordAddress(i, other, size));
-        if (isShared(r)) density = recordDensity(frame, v, origin, r, member == self);
-      }
-      densities[index * kGroup + member] = density;
-    }
-    barrier();
-    float sum = 0.0;
-    for (uint member = 0u; member < kGroup; ++member)
-      sum += densities[indexOf(memberPlace(local, member)) * kGroup + self];
-    densitySums[index] = sum;
-    barrier();
-    if (inside) {
-      PathRecord own = recordAt(recordAddress(i, place, size));
-      PathLight light = PathLight(own.scattered, own.mirrored);
-      for (uint member = 0u; member < kGroup; ++member) {
-        if (densities[index * kGroup + member] > 0.0) {
-          uvec2 at = memberPlace(local, member);
-          PathRecord r = recordAt(recordAddress(i, ivec3(place.xy - ivec2(local) + ivec2(at), place.z), size));
-          addConnection(light, v, origin, r, member == self, densitySums[indexOf(at)]);
-        }
-      }
-      addSample(sums, light, albedos, eye.starts, own.covers != 0u);
-    }
-  } while (++i < push.end);
+    PathRecord own = emptyRecord();
+    if (inside) own = recordOfPixel(sharer, indexOf(local));
+    PathLight light = PathLight(own.scattered, own.mirrored);
+    uint count = listGlarers(indexOf(local), glares(own)), rounds = groupRounds() + (count + kRound - 1u) / kRound;
+    for (uint i = 0u; i < rounds; ++i) addRound(light, frame, sharer, Round(i, i < groupRounds(), count));
+    if (inside) addSample(sums, light, albedos, eye.starts, (own.flags & kRecordCovers) != 0u);
+  } while (++sharer.sampleIndex < push.end);
   if (inside) writeSums(frame, place, p, albedos, sums, eye, lit);
 }

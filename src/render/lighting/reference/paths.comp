@@ -65,13 +65,15 @@ struct Path {
   uint channel;     // of color that the path follows after a dispersing surface; kAllChannels before
   bool fromEye;     // the path started at the eye
   bool covers;      // it does not only pass blended surfaces
-  // With kSharedPaths: what the path's second surface reflects by its Lambertian lobe, `record.reflected`, is not in
-  // `sum`. From there on, `carried` is relative to that surface.
+  // With kSharedPaths: light that `record` describes is not in `sum`. From the second surface on, `carried` is relative
+  // to the light that leaves it, and from the third one on, to the light that arrives there.
   PathRecord record;
   bool recorded;
   vec3 recordAlbedo;
   vec3 first;       // fraction of the light from the second surface that reaches the eye; 1 before
   vec3 lambertian;  // fraction of the light at the ray's end that is part of record.reflected
+  vec3 onward;      // fraction of the light from the third surface that leaves the second one; 1 before
+  bool deep;        // light at the ray's end is part of record.received
 };
 const uint kAllChannels = 3u;
 
@@ -80,11 +82,14 @@ const uint kAllChannels = 3u;
 const float kOnlyDirection = 1e30;
 
 // Adds light that the path carries. `mirrored`: the fraction that the visible surface's specular lobe reflects;
-// `lambertian`: the fraction that is part of the record.
+// `lambertian`: the fraction that the recorded surface's Lambertian lobe reflects.
 void add(inout Path path, vec3 radiance, vec3 mirrored, vec3 lambertian) {
   if (kSharedPaths != 0u) {
+    if (path.deep) path.record.received += radiance;
+    radiance *= path.onward;
     path.record.reflected += radiance * lambertian;
     radiance *= path.first * (1.0 - lambertian);
+    if (path.deep) return;
   }
   path.sum.scattered += radiance * (1.0 - mirrored);
   path.sum.mirrored += radiance * mirrored;
@@ -101,6 +106,7 @@ void recordLight(inout Path path, PathVertex v, LightRay light, vec3 passed) {
   path.record.reflected += light.radiance * passed * (1.0 - mirroredShare(v, light.centered));
   path.record.lit = light.arriving * passed;
   path.record.toLight = packSnorm2x16(octahedralFromDirection(light.centered));
+  path.record.flags = light.close && v.s.metallic > 0.5 ? kRecordGlares : 0u;
 }
 
 // Returns true if paths end before their surface of this bounce. Area lights are found by one more ray.
@@ -266,6 +272,7 @@ bool follow(inout Path path, FrameConstants frame, RayScene scene, uint index, u
     float weight = path.density / (path.density + emitterDensity(scene, hit, at, path.ray.direction));
     vec3 emitted = at.s.emissive * (belowClearcoat(at.layers, path.ray.direction) * weight);
     if (arrives && !onlySky) add(path, path.carried * emitted, path.share, path.lambertian);
+    path.deep = kSharedPaths != 0u && path.record.lobeDensity > 0.0;
     if (arrives && !onlySky && sharesSurface(path, at, index, i)) beginRecord(path, v, at.plane);
     if (arrives) break;
     path.absorption = beyond;
@@ -280,10 +287,19 @@ bool scatter(inout Path path, FrameConstants frame, PathVertex v, vec3 beyond, u
   float density = pathDensity(v, toLight);
   if (bounce == 0u && !path.fromEye) path.share = lobeShare(v, toLight);
   path.lambertian = recordedShare(path, v, toLight, bounce);
+  vec3 reflected = pathReflectance(v, toLight, false) / max(density, 1e-30);
+  // Emission of third surfaces is not shared, because its weight is that of this path's direction.
+  if (kSharedPaths != 0u && path.recorded && index == 1u) {
+    path.onward = reflected;
+    path.record.onward = packSnorm2x16(octahedralFromDirection(toLight));
+    path.record.lobeDensity = v.s.roughness >= kMinSharedRoughness ? density : 0.0;
+    reflected = vec3(1.0);
+  }
   path.fromArea = vec3(0.0);
-  if (hasAreaLights(frame)) path.fromArea = path.carried * pathReflectance(v, toLight, true) / max(density, 1e-30);
-  path.carried *= pathReflectance(v, toLight, false) / max(density, 1e-30);
-  float left = maxChannel(path.carried * path.first), survives = index < 3u ? 1.0 : min(sqrt(left), 0.95);
+  if (hasAreaLights(frame))
+    path.fromArea = path.carried * (v.visible ? pathReflectance(v, toLight, true) / max(density, 1e-30) : reflected);
+  path.carried *= reflected;
+  float left = maxChannel(path.carried * path.onward * path.first), survives = index < 3u ? 1.0 : min(sqrt(left), 0.95);
   if (!(left > 0.0 && density > 0.0 && nextSample().x < survives)) return false;
   path.carried /= survives;
   path.fromArea /= survives;
@@ -312,6 +328,8 @@ Path startPath(bool atEye, Ray ray, float fromEye) {
   path.recordAlbedo = vec3(1.0);
   path.first = vec3(1.0);
   path.lambertian = vec3(0.0);
+  path.onward = vec3(1.0);
+  path.deep = false;
   return path;
 }
 
@@ -375,7 +393,7 @@ void main() {
         path.record.reflected /= path.recordAlbedo;
         path.record.scattered = path.sum.scattered;
         path.record.mirrored = path.sum.mirrored;
-        path.record.covers = path.covers ? 1u : 0u;
+        path.record.flags |= path.covers ? kRecordCovers : 0u;
         PathRecordsRef(recordAddress(i, place, size)).v[0] = path.record;
       }
     } while (++i < push.end);

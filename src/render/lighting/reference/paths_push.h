@@ -25,9 +25,19 @@ struct PathRecord {
   vec3 mirrored;     // and through the specular lobe
   uint color[2];     // base color and metallic, as halves
   uint specular[2];  // reflectance of the dielectric at normal incidence and roughness, as halves
-  uint covers;       // 1: the path starts at the eye and found a surface
+  uint flags;        // kRecord*
+  // Radiance that third and later surfaces send to the second one, from the direction `onward` (octahedral), and the
+  // density, 1/sr, with which the path chose it. 0: pixels do not share what the specular lobe reflects of it.
+  vec3 received;
+  uint onward;
+  float lobeDensity;
 };
-SH_CONST uint kPathRecordBytes = 96u;
+SH_CONST uint kPathRecordBytes = 116u;
+SH_CONST uint kRecordCovers = 1u;   // the path starts at the eye and found a surface
+SH_CONST uint kRecordGlares = 2u;   // a metal reflects a lamp that is close: `lit` is of a highlight, small and bright
+SH_CONST float kCloseRadii = 8.0f;  // distance at which a lamp is close, in radii of the lamp
+// Minimum roughness of specular lobes of which pixels share `received`. Narrower ones send it toward few pixels.
+SH_CONST float kMinSharedRoughness = 0.15f;
 
 struct PathsPush {
   uint64_t frame;  // FrameConstants

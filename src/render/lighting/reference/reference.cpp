@@ -160,9 +160,13 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
       addPathPass(f, gbuffer, std::move(pass), push, buffers,
                   push.environment == 0 ? graph::Use::StorageWrite : graph::Use::StorageReadWrite);
     }
-    if (sharing)
-      addPathPass(f, gbuffer, pathPass(f, gbuffer, signals, "shared paths", "path_sharing.comp", flags, false, 0), push,
-                  buffers, graph::Use::StorageRead);
+    if (sharing) {
+      ComputePass pass = pathPass(f, gbuffer, signals, "shared paths", "path_sharing.comp", flags, false, 0);
+      constexpr uint32_t kBlocks = 2;  // path_sharing.comp
+      pass.constants.push_back({kGroupBlocksConstant, kBlocks});
+      pass.groupY = kBlocks * shared::kPixelGroupY;
+      addPathPass(f, gbuffer, std::move(pass), push, buffers, graph::Use::StorageRead);
+    }
   }
   return signals;
 }
