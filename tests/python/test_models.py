@@ -672,6 +672,18 @@ def test_usd_meshes_without_triangles_are_left_out(stage):
         latelight.from_usd(stage)
 
 
+def test_usd_meshes_without_points_are_left_out(stage):
+    """Placeholders, whose geometry a stronger layer or a variant adds, have no attributes yet."""
+    from pxr import UsdGeom
+
+    UsdGeom.Mesh.Define(stage, "/placeholder")
+    add_mesh(stage, "/faces").GetPointsAttr().Clear()
+    UsdGeom.Cube.Define(stage, "/cube").CreateSizeAttr(100)
+    scene = latelight.from_usd(stage)
+    assert [node.path for node in scene.nodes] == ["/cube"]
+    assert_bounds(scene, (-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))
+
+
 def test_usd_meshes_may_be_double_sided(stage):
     for name, sides in (("one", False), ("two", True)):
         add_mesh(stage, f"/{name}").CreateDoubleSidedAttr(sides)

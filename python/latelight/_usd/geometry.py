@@ -81,7 +81,7 @@ def mesh_parts(
 
 
 def points_of(mesh: Any, time: Any) -> np.ndarray:
-    return np.asarray(mesh.GetPointsAttr().Get(time), np.float32).reshape(-1, 3)
+    return np.asarray(mesh.GetPointsAttr().Get(time) or [], np.float32).reshape(-1, 3)
 
 
 def count_points(mesh: Any, time: Any) -> int:
