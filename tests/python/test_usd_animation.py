@@ -113,9 +113,9 @@ def add_shapes(stage, mesh, binding, pose):
 def reference_points(mesh, code):
     """World points of a mesh with a skeleton, by UsdSkel."""
     prim, cache = mesh.GetPrim(), UsdSkel.Cache()
-    cache.Populate(UsdSkel.Root.Find(prim), Usd.PrimDefaultPredicate)
-    skinning = cache.GetSkinningQuery(prim)
-    query = cache.GetSkelQuery(UsdSkel.BindingAPI(prim).GetInheritedSkeleton())
+    cache.Populate(UsdSkel.Root.Find(prim), Usd.TraverseInstanceProxies())
+    skinning, skeleton = cache.GetSkinningQuery(prim), UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
+    query = cache.GetSkelQuery(skeleton)
     points = Vt.Vec3fArray(mesh.GetPointsAttr().Get())
     if skinning.HasBlendShapes():
         shapes = UsdSkel.BlendShapeQuery(UsdSkel.BindingAPI(prim))
@@ -130,7 +130,7 @@ def reference_points(mesh, code):
     if skinning.HasJointInfluences():
         # The mapping of a mesh's own order of joints is part of ComputeSkinnedPoints().
         assert skinning.ComputeSkinnedPoints(query.ComputeSkinningTransforms(code), points, code)
-        frame = query.GetPrim()
+        frame = skeleton.GetPrim()
     return moved(world_of(frame, code), np.array(points, np.float64))
 
 
@@ -166,6 +166,75 @@ def test_skeletons_play(stage, device, reordered):
     still = latelight.from_usd(stage, time=9)
     assert still.animations == []
     assert_shows(still, device, None, mesh, reference_points(mesh, 9))
+
+
+def add_crowd(stage, poses):
+    """An instance of a figure for each pose, which is a rotation of its upper joint at some time codes."""
+    stage.CreateClassPrim("/kind")
+    UsdSkel.Root.Define(stage, "/kind/figure")
+    skeleton, _ = add_skeleton(stage, "/kind/figure")
+    UsdGeom.XformCommonAPI(skeleton).SetTranslate((0, 30, 0))
+    skeleton.GetPrim().RemoveProperty("skel:animationSource")
+    bind(add_tube(stage, "/kind/figure/tube"), skeleton)
+    for number, angles in enumerate(poses):
+        pose = UsdSkel.Animation.Define(stage, f"/pose{number}")
+        pose.CreateJointsAttr(["low/middle"])
+        pose.CreateTranslationsAttr([(0, 0, 40)])
+        pose.CreateScalesAttr([(1, 1, 1)])
+        for code, angle in angles.items():
+            turn = Vt.QuatfArray([Gf.Quatf(Gf.Rotation((1, 0, 0), angle).GetQuat())])
+            pose.CreateRotationsAttr().Set(turn, Usd.TimeCode.Default() if code is None else code)
+        person = UsdGeom.Xform.Define(stage, f"/person{number}")
+        person.GetPrim().GetInherits().AddInherit("/kind")
+        person.GetPrim().SetInstanceable(True)
+        UsdGeom.XformCommonAPI(person).SetTranslate((200 * number, 0, 50))
+        UsdSkel.BindingAPI.Apply(person.GetPrim()).CreateAnimationSourceRel().SetTargets([f"/pose{number}"])
+    return [UsdGeom.Mesh(stage.GetPrimAtPath(f"/person{number}/figure/tube")) for number in range(len(poses))]
+
+
+def test_skeletons_of_native_instances_play(stage, device):
+    people = add_crowd(stage, [{0: 0, 12: 60}, {0: 40, 12: -40}])
+    scene = latelight.from_usd(stage)
+    for code in (0, 6, 12):
+        for person in people:
+            assert_shows(scene, device, code / RATE, person, reference_points(person, code))
+
+
+def test_skeletons_of_native_instances_pose(stage, device):
+    """Instances in the same pose share their mesh."""
+    people = add_crowd(stage, [{None: 30}, {None: -50}, {None: 0}])
+    UsdSkel.BindingAPI(stage.GetPrimAtPath("/person2")).GetAnimationSourceRel().SetTargets(["/pose0"])
+    scene = latelight.from_usd(stage)
+    assert len(scene.meshes()) == 2 and len(scene.instances()) == 3
+    for person in people:
+        assert_shows(scene, device, None, person, reference_points(person, 0))
+
+
+@pytest.mark.parametrize("top", ["/figure", "/figure/tube"])
+@pytest.mark.parametrize("specifier", [Sdf.SpecifierDef, Sdf.SpecifierClass])
+def test_copies_of_instancers_are_posed(stage, top, specifier, device):
+    """The skeleton may be outside of the prototype. Copies of a moving figure show it at the start of the stage."""
+    root = UsdSkel.Root.Define(stage, "/figure")
+    skeleton, pose = add_skeleton(stage, "/figure")
+    mesh = add_tube(stage, "/figure/tube")
+    add_shapes(stage, mesh, bind(mesh, skeleton), pose)
+    UsdGeom.XformCommonAPI(skeleton).SetTranslate((0, 30, 0))
+    copies = UsdGeom.PointInstancer.Define(stage, "/copies")
+    copies.CreatePrototypesRel().SetTargets([top])
+    copies.CreateProtoIndicesAttr([0, 0])
+    copies.CreatePositionsAttr([(300, 0, 0), (600, 0, 0)])
+    points = reference_points(mesh, 6)
+    root.GetPrim().SetSpecifier(specifier)
+    assert np.ptp(points, axis=0).min() > 0.5  # the pose bends the tube
+    scenes = [latelight.from_usd(stage, time=6)]
+    if specifier == Sdf.SpecifierDef:
+        stage.SetStartTimeCode(6)
+        stage.SetEndTimeCode(18)
+        with pytest.warns(UserWarning, match="time samples of /figure/tube only at the time code 6"):
+            scenes.append(latelight.from_usd(stage))
+    for scene in scenes:
+        for offset in (3, 6):
+            assert_shows(scene, device, None, mesh, points + (offset, 0, 0))
 
 
 def test_blend_shapes_play_with_in_betweens(stage, device):

@@ -14,10 +14,10 @@ Each module imports only from modules above it in this list::
     materials       materials by shader
     geometry        triangles, primvars and subsets of meshes
     shapes          spheres, cubes, cylinders, cones, capsules and planes
-    instances       meshes that instances share, and where they are shown
-    instancers      copies of prototypes
     skeletons       joints and skins
     blend_shapes    morph targets and their weights
+    instances       meshes that instances share, and where they are shown
+    instancers      copies of prototypes
     meshes          rigid and deforming meshes
     lights          lights other than domes
     dome_lights     environments

@@ -12,6 +12,13 @@ from .geometry import count_points, has_point_normals, points_of
 from .skeletons import Binding
 
 
+def blended_points(context: Context, binding: Binding, mesh: Any) -> tuple[np.ndarray, np.ndarray | None] | None:
+    """The points and normals per point by the blend shapes at the time of the stage at rest; None without any."""
+    if not binding.has_shapes() or not binding.animation:
+        return None
+    return BlendShapes(context, binding, mesh).blended()
+
+
 class BlendShapes:
     """The blend shapes of a mesh with a binding that has shapes and an animation."""
 

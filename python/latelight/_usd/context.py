@@ -25,6 +25,8 @@ class Context:
         geom = pxr.UsdGeom
         self.stage, self.pxr, self.files = stage, pxr, files
         self.predicate = pxr.Usd.TraverseInstanceProxies(pxr.Usd.PrimDefaultPredicate)
+        # Prototypes of instancers may be undefined or abstract.
+        self.prototype_predicate = pxr.Usd.TraverseInstanceProxies(pxr.Usd.PrimIsActive & pxr.Usd.PrimIsLoaded)
         self.samples = TimeSamples(stage, pxr, self._prims_with_samples() if time is None else ())
         if time is not None:
             self.time = pxr.Usd.TimeCode(time)

@@ -12,6 +12,7 @@ from ..errors import UsageError
 from .animation import Animation
 from .context import Context
 from .instances import Instances, root_name
+from .skeletons import Skeletons
 from .transforms import unsheared
 from .traversal import visible_prims
 
@@ -19,8 +20,10 @@ _MAX_PARTS = 2**20  # prims of a prototype, whose number is multiplied by each i
 
 
 class Instancers:
-    def __init__(self, context: Context, animation: Animation, instances: Instances) -> None:
-        self.context, self.animation, self.instances = context, animation, instances
+    def __init__(
+        self, context: Context, animation: Animation, instances: Instances, skeletons: Skeletons
+    ) -> None:
+        self.context, self.animation, self.instances, self.skeletons = context, animation, instances, skeletons
         self.prototypes: dict[Any, list[tuple[Any, np.ndarray]]] = {}  # what they show, by their paths
         self.unfolded: list[Any] = []  # paths of the instancers whose prototypes are being collected
 
@@ -39,18 +42,18 @@ class Instancers:
             made = self.animation.add_moving_nodes(nodes, times, placed_at, prim.GetPath())
             node_of_copy = dict(zip(numbers, made))
             for n, _, part, local in copies:
-                name, parts = node_name(part.GetName()), self.instances.parts_of(part)
+                name, parts = node_name(part.GetName()), self.instances.shown(part).parts
                 self.context.scene.add_node(name, node_of_copy[n], matrix=local, parts=parts)
         elif self.context.samples.moves(prim):
             above = self.animation.node_of(prim)
             for n, matrix, part, local in copies:
-                parts = self.instances.parts_of(part)
+                parts = self.instances.shown(part).parts
                 self.context.scene.add_node(str(n), above, matrix=matrix @ local, parts=parts)
         else:
             base = self.context.stage_from(prim)
             for n, matrix, part, local in copies:
                 name = root_name(f"{prim.GetPath()}/{n}")
-                for mesh, material in self.instances.parts_of(part):
+                for mesh, material in self.instances.shown(part).parts:
                     self.context.builder.add_instance(mesh, material, base @ matrix @ local, name)
 
     # --- copies ---
@@ -66,16 +69,18 @@ class Instancers:
         transform relative to the copy."""
         path = instancer.GetPath()
         indices = np.asarray(instancer.GetProtoIndicesAttr().Get(self.context.time) or [], np.int64)
+        shown = indices[np.asarray(numbers, np.int64)]
         targets = instancer.GetPrototypesRel().GetTargets()
         if len(indices) and not 0 <= indices.min() <= indices.max() < len(targets):
             raise UsageError(f"{path} has copies of prototypes that it does not have: it has {len(targets)}")
         if path in self.unfolded:
             raise UsageError(f"{path} is an instancer within its own prototypes")
         self.unfolded.append(path)
-        shown = [self._parts_of_prototype(self.context.stage.GetPrimAtPath(target)) for target in targets]
+        get_prim = self.context.stage.GetPrimAtPath
+        parts = {index: self._parts_of_prototype(get_prim(targets[index])) for index in np.unique(shown)}
         self.unfolded.pop()
-        for n, matrix in zip(numbers, self._matrices(instancer, self.context.time)):
-            for prim, local in shown[indices[n]]:
+        for n, index, matrix in zip(numbers, shown, self._matrices(instancer, self.context.time)):
+            for prim, local in parts[index]:
                 yield n, matrix, prim, local
 
     def _matrices(self, instancer: Any, time: Any) -> np.ndarray:
@@ -119,20 +124,43 @@ class Instancers:
         return self.prototypes[prototype.GetPath()]
 
     def _unfolded_parts(self, prototype: Any) -> Iterator[tuple[Any, np.ndarray]]:
-        geom, samples = self.context.pxr.UsdGeom, self.context.samples
+        geom, skel = self.context.pxr.UsdGeom, self.context.pxr.UsdSkel
+        if root := skel.Root.Find(prototype):
+            self.skeletons.add_root(root.GetPrim(), self.context.prototype_predicate)
         for prim in visible_prims(self.context, prototype):
+            if prim.IsA(skel.Root):
+                self.skeletons.add_root(prim, self.context.prototype_predicate)
             is_nested = prim.IsA(geom.PointInstancer)
             if not is_nested and not self.instances.is_shown(prim):
                 continue
-            if samples.exist and (
-                samples.of_points(prim) or samples.of_copies(prim) or samples.moves_below(prim, prototype.GetParent())
-            ):
-                samples.add_unplayed(prim)
-            relative, _ = self.context.transforms.ComputeRelativeTransform(prim, prototype.GetParent())
-            local = np.array(relative, np.float64).T
+            frame = prim if is_nested else self.instances.shown(prim).frame
+            self._warn_of_changes(prim, frame, prototype)
+            local = self._relative(frame, prototype.GetParent())
             if not is_nested:
                 yield prim, local
                 continue
             nested = geom.PointInstancer(prim)
             for _, matrix, part, own in self._copies(nested, self._numbers(nested)):
                 yield part, local @ matrix @ own
+
+    def _warn_of_changes(self, prim: Any, frame: Any, prototype: Any) -> None:
+        """Notes a prim of a prototype that changes over time, since copies show it at rest."""
+        samples, above = self.context.samples, prototype.GetParent()
+        if samples.exist and (
+            samples.of_points(prim)
+            or samples.of_copies(prim)
+            or self.skeletons.binding(prim).deforms()
+            or any(samples.moves_below(moving, above) for moving in (prim, frame) if _is_below(moving, above))
+        ):
+            samples.add_unplayed(prim)
+
+    def _relative(self, prim: Any, above: Any) -> np.ndarray:
+        """The transform of a prim relative to another one, which is above it except for skeletons elsewhere."""
+        if not _is_below(prim, above):
+            return np.linalg.pinv(self.context.stage_from(above)) @ self.context.stage_from(prim)
+        relative, _ = self.context.transforms.ComputeRelativeTransform(prim, above)
+        return np.array(relative, np.float64).T
+
+
+def _is_below(prim: Any, above: Any) -> bool:
+    return bool(prim.GetPath().HasPrefix(above.GetPath()))

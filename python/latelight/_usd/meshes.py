@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .animation import Animation
-from .blend_shapes import BlendShapes
+from .blend_shapes import BlendShapes, blended_points
 from .context import Context, Parts
 from .geometry import Corners, corner_normals, count_points, mesh_parts, points_of
 from .instances import Instances, root_name
@@ -30,30 +30,18 @@ class Meshes:
 
     def add(self, prim: Any) -> None:
         mesh, binding = self.context.pxr.UsdGeom.Mesh(prim), self.skeletons.binding(prim)
-        deforms = self.context.samples.exist and (binding.joints_move() or binding.shapes_move())
-        pose = None if deforms else self.skeletons.pose(binding, prim.GetPath())
-        shapes = None if deforms else self._blended(binding, mesh)
-        times = self._times_of_points(mesh, is_plain=not deforms and pose is None and shapes is None)
+        deforms = self.context.samples.exist and binding.deforms()
+        times = self._times_of_points(mesh, binding)
         if deforms:
             self._add_deforming(mesh, binding)
         elif times:
             self._add_changing(mesh, times)
-        elif pose is None and shapes is None:
-            self.instances.add(prim)
         else:
-            points, normals = shapes or (None, None)
-            parts = mesh_parts(self.context, self.materials, mesh, points, normals, pose)
-            self.instances.place(parts, prim, prim if pose is None else binding.skeleton.GetPrim())
-
-    def _blended(self, binding: Binding, mesh: Any) -> tuple[np.ndarray, np.ndarray | None] | None:
-        """The points and normals per point by the blend shapes at the time of the stage at rest."""
-        if not binding.has_shapes() or not binding.animation:
-            return None
-        return BlendShapes(self.context, binding, mesh).blended()
+            self.instances.add(prim)
 
     # --- points that change over time ---
 
-    def _times_of_points(self, mesh: Any, is_plain: bool) -> list[float]:
+    def _times_of_points(self, mesh: Any, binding: Binding) -> list[float]:
         """The times of the samples of a mesh's points and normals, if morph targets can be these samples: there are as
         many points at all times, no skeleton moves them, the faces stay, and the targets are not too large."""
         samples = self.context.samples
@@ -65,7 +53,8 @@ class Meshes:
         triangles = np.maximum(np.asarray(faces[0].Get(self.context.time) or [], np.int64) - 2, 0).sum()
         size = len(times) * (3 * 24 * triangles + 4 * len(times))  # targets with normals, and weights
         changes = any(attribute.ValueMightBeTimeVarying() for attribute in faces)
-        if not is_plain or len(counts) > 1 or changes or size > _LARGEST_MORPH:
+        is_posed = binding.deforms() or any(values is not None for values in self.instances.pose(mesh, binding))
+        if is_posed or len(counts) > 1 or changes or size > _LARGEST_MORPH:
             samples.add_unplayed(mesh.GetPointsAttr())
             return []
         return times
@@ -104,7 +93,7 @@ class Meshes:
             targets = shapes.targets()
             times, weights = shapes.weights()
         else:
-            points, normals = self._blended(binding, mesh) or (None, None)
+            points, normals = blended_points(self.context, binding, mesh) or (None, None)
 
         def of_corners(corners: Corners, kinds: Sequence[str]) -> dict[str, Any]:
             own = {name: values[corners.points] for name, values in arrays.items()}

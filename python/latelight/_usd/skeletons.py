@@ -14,11 +14,15 @@ from .context import Context
 
 
 class Binding(NamedTuple):
-    """The queries of a mesh's skinning, of its skeleton and of the skeleton's animation; None for each without."""
+    """The queries of a mesh's skinning, of its skeleton and of the skeleton's animation; None for each without.
+
+    prim: the skeleton's. Within a native instance, that of its query is in USD's prototype, which has no transform of
+        an instance."""
 
     skinning: Any
     skeleton: Any
     animation: Any
+    prim: Any
 
     def has_joints(self) -> bool:
         return bool(self.skinning and self.skinning.HasJointInfluences())
@@ -32,6 +36,9 @@ class Binding(NamedTuple):
     def shapes_move(self) -> bool:
         return bool(self.has_shapes() and self.animation and self.animation.BlendShapeWeightsMightBeTimeVarying())
 
+    def deforms(self) -> bool:
+        return self.joints_move() or self.shapes_move()
+
 
 class Skeletons:
     def __init__(self, context: Context, animation: Animation) -> None:
@@ -39,34 +46,34 @@ class Skeletons:
         self.cache = context.pxr.UsdSkel.Cache()
         self.joints: dict[Any, list[str]] = {}
 
-    def add_root(self, prim: Any) -> None:
+    def add_root(self, prim: Any, predicate: Any = None) -> None:
         """Finds the skeletons below a UsdSkelRoot, before the meshes that they move."""
-        self.cache.Populate(self.context.pxr.UsdSkel.Root(prim), self.context.predicate)
+        self.cache.Populate(self.context.pxr.UsdSkel.Root(prim), predicate or self.context.predicate)
 
     def binding(self, prim: Any) -> Binding:
         skinning = self.cache.GetSkinningQuery(prim)
         skeleton = self.context.pxr.UsdSkel.BindingAPI(prim).GetInheritedSkeleton() if skinning else None
         query = self.cache.GetSkelQuery(skeleton) if skeleton else None
         animation = query.GetAnimQuery() if query else None
-        return Binding(skinning or None, query or None, animation or None)
+        return Binding(skinning or None, query or None, animation or None, skeleton.GetPrim() if query else None)
 
     # --- joints that move ---
 
     def add_skin(self, binding: Binding, path: Any) -> SkinHandle:
         """The joints of a mesh, in its order."""
         query, start = binding.skeleton, self.context.samples.start
-        nodes, where = self._add_joints(query), _joint_order(binding, path)
+        nodes, where = self._add_joints(binding), _joint_order(binding, path)
         binds = query.GetSkeleton().GetBindTransformsAttr().Get() or []
         if len(binds) != len(nodes):
-            raise UsageError(f"{query.GetPrim().GetPath()} has {len(nodes)} joints but {len(binds)} bind transforms")
+            raise UsageError(f"{binding.prim.GetPath()} has {len(nodes)} joints but {len(binds)} bind transforms")
         geometry = np.array(binding.skinning.GetGeomBindTransform(start), np.float64).T
         inverse = np.linalg.inv(np.array(binds, np.float64).transpose(0, 2, 1)) @ geometry
         inverse[:, 3] = (0, 0, 0, 1)
         return self.context.scene.add_skin([nodes[i] for i in where], inverse[where])
 
-    def _add_joints(self, query: Any) -> list[str]:
+    def _add_joints(self, binding: Binding) -> list[str]:
         """The nodes of the joints of a skeleton, below that of the skeleton."""
-        prim, samples = query.GetPrim(), self.context.samples
+        query, prim, samples = binding.skeleton, binding.prim, self.context.samples
         if prim.GetPath() not in self.joints:
             topology, names = query.GetTopology(), query.GetJointOrder()
             base = self.animation.node_of(prim)

@@ -90,7 +90,8 @@ def _opened(
 def _converted(context: Context) -> Scene:
     geom, skel, lux = context.pxr.UsdGeom, context.pxr.UsdSkel, context.pxr.UsdLux
     animation, materials = Animation(context), Materials(context)
-    skeletons, instances = Skeletons(context, animation), Instances(context, animation, materials)
+    skeletons = Skeletons(context, animation)
+    instances = Instances(context, animation, materials, skeletons)
     meshes = Meshes(context, animation, materials, instances, skeletons)
     domes: list[Any] = []
     copied: list[Any] = []
@@ -111,7 +112,7 @@ def _converted(context: Context) -> Scene:
                 context.samples.add_unplayed(prim)
         elif prim.HasAPI(lux.LightAPI):
             add_light(context, animation, prim)
-    instancers = Instancers(context, animation, instances)
+    instancers = Instancers(context, animation, instances, skeletons)
     for prim in copied:
         instancers.add(prim)
     if domes:

@@ -15,9 +15,8 @@ def visible_prims(context: Context, prototype: Any = None) -> Iterator[Any]:
     A prototype may be undefined or abstract, and inherits no visibility and no purpose from the prims that contain it,
     as in UsdImaging, since these often hide it outside of instancers."""
     geom, usd = context.pxr.UsdGeom, context.pxr.Usd
-    loaded = usd.TraverseInstanceProxies(usd.PrimIsActive & usd.PrimIsLoaded)
-    top, predicate = (prototype, loaded) if prototype else (context.stage.GetPseudoRoot(), context.predicate)
-    walk = iter(usd.PrimRange(top, predicate))
+    top = prototype or context.stage.GetPseudoRoot()
+    walk = iter(usd.PrimRange(top, context.prototype_predicate if prototype else context.predicate))
     purposes: dict[Any, Any] = {}
     for prim in walk:
         imageable = geom.Imageable(prim)
