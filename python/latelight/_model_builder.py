@@ -101,7 +101,7 @@ class Builder:
         return self.plain("vertex colors", (1, 1, 1, 1), translucent, double_sided)
 
     def plain(self, name: str, color: Any, translucent: bool, double_sided: bool) -> MaterialHandle:
-        key = (name, translucent, double_sided)
+        key = (name, color, translucent, double_sided)
         if key not in self.materials:
             mode = "blend" if translucent else "opaque"
             self.materials[key] = self.scene.add_material(

@@ -547,7 +547,7 @@ def test_usd_shapes_have_their_sizes(stage):
     materials = {n.path[1:]: scene.material(scene.instance(i).material) for n, i in zip(scene.nodes, scene.instances())}
     assert len(arrays) == 14
     np.testing.assert_allclose(np.linalg.norm(arrays["ball"]["positions"], axis=1), 50, rtol=1e-6)
-    np.testing.assert_allclose(arrays["ball"]["colors"], np.tile((1, 0, 0.5, 1), (len(arrays["ball"]["colors"]), 1)))
+    assert materials["ball"].base_color == (1, 0, 0.5, 1)
     assert not materials["ball"].double_sided and materials["PlaneX"].double_sided
     np.testing.assert_allclose(np.abs(arrays["cube"]["positions"]), 15)
     sizes = {"X": (0, 80, 40), "Y": (40, 0, 80), "Z": (40, 80, 0)}  # a plane's width is along Z if it faces X
@@ -572,6 +572,13 @@ def test_usd_shapes_have_their_sizes(stage):
         latelight.from_usd(stage)
 
 
+def surface_colors(scene, instance):
+    """The linear colors of an instance's vertices: those of its material and of its mesh, multiplied."""
+    arrays = scene.mesh_arrays(instance.mesh)
+    colors = arrays.get("colors", np.ones((len(arrays["positions"]), 4)))
+    return colors * np.array(scene.material(instance.material).base_color)
+
+
 def test_usd_meshes_and_shapes_have_opacities(stage):
     """Alpha is displayOpacity, of meshes also per point, and inherited. Without displayColor the color is the default's."""
     from pxr import Sdf, UsdGeom
@@ -589,8 +596,8 @@ def test_usd_meshes_and_shapes_have_opacities(stage):
     made = {}
     for node, handle in zip(scene.nodes, scene.instances()):
         instance = scene.instance(handle)
-        colors = scene.mesh_arrays(instance.mesh)["colors"]
-        made[node.path] = (scene.material(instance.material).alpha_mode, np.unique(colors, axis=0).round(4).tolist())
+        colors = np.unique(surface_colors(scene, instance), axis=0).round(4).tolist()
+        made[node.path] = (scene.material(instance.material).alpha_mode, colors)
     assert made == {
         "/glass": ("blend", [[1, 0.5, 0, 0.5]]),
         "/fade": ("blend", [pytest.approx([0.8, 0.8, 0.8, alpha], abs=1e-4) for alpha in (0, 0.5, 1)]),
@@ -714,6 +721,111 @@ def test_usd_instances_share_meshes(stage):
     assert_bounds(scene, (0, 0, -4), (4, 3, 0))
 
 
+def add_paint(stage, path, color):
+    """A material of one color."""
+    from pxr import Sdf, UsdShade
+
+    material, shader = UsdShade.Material.Define(stage, path), UsdShade.Shader.Define(stage, f"{path}/surface")
+    shader.CreateIdAttr("UsdPreviewSurface")
+    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(color)
+    material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
+    return material
+
+
+def add_native_instances(stage, count):
+    """Instances of a prototype with a mesh, one of whose two faces is a subset, and a shape."""
+    from pxr import UsdGeom, UsdShade
+
+    stage.CreateClassPrim("/kind")
+    mesh = add_mesh(stage, "/kind/squares")
+    subset = UsdGeom.Subset.CreateGeomSubset(mesh, "right", UsdGeom.Tokens.face, [1], "materialBind")
+    UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(add_paint(stage, "/kind/paint", (0, 0.25, 0)))
+    UsdGeom.Cube.Define(stage, "/kind/cube")
+    instances = []
+    for number in range(count):
+        instances.append(UsdGeom.Xform.Define(stage, f"/copy{number}").GetPrim())
+        instances[-1].GetInherits().AddInherit("/kind")
+        instances[-1].SetInstanceable(True)
+    return instances
+
+
+def colors_by_node(scene):
+    """The first color of each part, by the path of its node."""
+    colors = {}
+    for node, handle in zip(scene.nodes, scene.instances()):
+        color = surface_colors(scene, scene.instance(handle))[0]
+        colors.setdefault(node.path.partition("#")[0], []).append(tuple(color.round(4).tolist()))
+    return colors
+
+
+@pytest.mark.parametrize("strength", ["weakerThanDescendants", "strongerThanDescendants"])
+def test_usd_instances_have_their_own_materials(stage, strength):
+    """USD's bindings, of instances in the same prototype, whose meshes are shared."""
+    from pxr import UsdShade
+
+    paints = {"/red": (0.5, 0, 0), "/blue": (0, 0, 0.75), "/kind/paint": (0, 0.25, 0)}
+    instances = add_native_instances(stage, 3)
+    for prim, path in zip(instances, ("/red", "/blue")):
+        material = add_paint(stage, path, paints[path])
+        UsdShade.MaterialBindingAPI.Apply(prim).Bind(material, strength)
+    assert len({prim.GetPrototype() for prim in instances}) == 1
+    scene = latelight.from_usd(stage)
+    assert len(scene.meshes()) == 3  # two of the faces, and the cube
+    expected = {}
+    for number in range(3):
+        for name, parts in (("squares", ["squares/right", "squares"]), ("cube", ["cube"])):
+            prims = [stage.GetPrimAtPath(f"/copy{number}/{part}") for part in parts]
+            bound = [str(UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0].GetPath()) for prim in prims]
+            colors = [paints.get(path.replace(f"/copy{number}", "/kind"), (0.8, 0.8, 0.8)) for path in bound]
+            expected[f"/copy{number}.{name}"] = [(*color, 1) for color in colors]
+    assert colors_by_node(scene) == expected
+
+
+def test_usd_instances_have_their_own_display_colors(stage):
+    """Primvars that an instance states are inherited by what it shows, which shares the meshes nevertheless."""
+    from pxr import Sdf, UsdGeom
+
+    instances = add_native_instances(stage, 4)
+    for number, color in ((0, (1, 0, 0)), (1, (0, 0, 1)), (3, (1, 0, 0))):
+        UsdGeom.PrimvarsAPI(instances[number]).CreatePrimvar("displayColor", Sdf.ValueTypeNames.Color3fArray).Set([color])
+    UsdGeom.PrimvarsAPI(instances[1]).CreatePrimvar("displayOpacity", Sdf.ValueTypeNames.FloatArray).Set([0.5])
+    scene = latelight.from_usd(stage)
+    own = [(1, 0, 0, 1), (0, 0, 1, 0.5), (0.8, 0.8, 0.8, 1), (1, 0, 0, 1)]
+    squares = {f"/copy{n}.squares": [(0, 0.25, 0, 1), color] for n, color in enumerate(own)}
+    assert colors_by_node(scene) == {**squares, **{f"/copy{n}.cube": [color] for n, color in enumerate(own)}}
+    modes = [scene.material(scene.instance(i).material).alpha_mode for i in scene.instances("/copy1.cube")]
+    assert modes == ["blend"]
+    assert len(scene.meshes()) == 3 and len(scene.materials()) == 4  # paint, red, blue and the default
+
+
+@pytest.mark.parametrize("full, preview, every, expected", [
+    ("red", "", "", "red"),
+    ("", "red", "", "red"),
+    ("red", "blue", "", "red"),
+    ("red", "", "blue", "red"),
+    ("", "red", "blue", "blue"),  # the binding for all purposes is also one for full renderings
+    ("other", "red", "", "red"),  # no shader of the material for full renderings is supported
+    ("other", "", "", "default"),
+])  # fmt: skip
+def test_usd_bindings_may_have_purposes(stage, full, preview, every, expected):
+    from pxr import UsdShade
+
+    binding = UsdShade.MaterialBindingAPI.Apply(add_mesh(stage, "/squares").GetPrim())
+    add_paint(stage, "/other", (0, 1, 0))
+    UsdShade.Shader(stage.GetPrimAtPath("/other/surface")).CreateIdAttr("another")
+    materials = {"red": add_paint(stage, "/red", (1, 0, 0)), "blue": add_paint(stage, "/blue", (0, 0, 1))}
+    materials["other"] = UsdShade.Material(stage.GetPrimAtPath("/other"))
+    for name, purpose in ((full, "full"), (preview, "preview"), (every, "")):
+        if name:
+            binding.Bind(materials[name], UsdShade.Tokens.weakerThanDescendants, purpose)
+    scene = latelight.from_usd(stage)
+    (handle,) = scene.instances()
+    assert scene.material(scene.instance(handle).material).name == expected
+    computed = binding.ComputeBoundMaterial("full")[0]
+    if computed and full != "other":
+        assert computed.GetPath().name == expected
+
+
 def add_instancer(stage, path, prototypes, positions=((0, 0, 0), (30, 0, 0)), indices=None):
     from pxr import UsdGeom
 
@@ -763,6 +875,74 @@ def test_usd_instancers_show_what_is_visible_in_their_prototypes(stage, capfd):
     assert shown_by(stage) == sorted(direct + [(size, (30, 0, 0)) for size, _ in direct])
     output = capfd.readouterr()
     assert (output.out, output.err) == ("", "")
+
+
+def add_primvar(prim, name, kind, interpolation, values):
+    from pxr import Sdf, UsdGeom
+
+    UsdGeom.PrimvarsAPI(prim).CreatePrimvar(name, getattr(Sdf.ValueTypeNames, kind), interpolation).Set(values)
+
+
+def test_usd_copies_of_instancers_have_colors(stage):
+    """Values per copy apply by the number of the copy, also after a masked one, and share the meshes. They replace what a
+    prototype inherits, and a prototype's own color replaces them."""
+    from pxr import UsdGeom
+
+    positions = [(10 * n, 0, 0) for n in range(4)]
+    copies = add_instancer(stage, "/group/copies", ["/group/copies/plain", "/group/copies/own"], positions, [0, 0, 1, 0])
+    copies.InvisId(1, 0)
+    UsdGeom.Cube.Define(stage, "/group/copies/plain")
+    UsdGeom.Cube.Define(stage, "/group/copies/own/cube")
+    for path, color in (("/group", (0.5, 0.5, 0.5)), ("/group/copies/own", (1, 1, 0))):
+        add_primvar(stage.GetPrimAtPath(path), "displayColor", "Color3fArray", "constant", [color])
+    colors = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0.25, 0)]
+    add_primvar(copies, "displayColor", "Color3fArray", "vertex", colors)
+    add_primvar(copies, "displayOpacity", "FloatArray", "varying", [0.5, 1, 0.25, 1])
+    scene = latelight.from_usd(stage)
+    expected = {"0": [(1, 0, 0, 0.5)], "2": [(1, 1, 0, 0.25)], "3": [(0, 0.25, 0, 1)]}
+    assert colors_by_node(scene) == {f"/group.copies.{n}": color for n, color in expected.items()}
+    modes = [scene.material(scene.instance(handle).material).alpha_mode for handle in scene.instances()]
+    assert modes == ["blend", "blend", "opaque"] and len(scene.meshes()) == 2
+    add_primvar(copies, "displayColor", "Color3fArray", "vertex", colors[:3])  # too few, but they end the inheritance
+    cube = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/group/copies/plain"))
+    assert not cube.FindPrimvarWithInheritance("displayColor")
+    first, _, last = colors_by_node(latelight.from_usd(stage)).values()
+    assert first == [(0.8, 0.8, 0.8, 0.5)] and last == [(0.8, 0.8, 0.8, 1)]
+
+
+def test_usd_copies_of_nested_instancers_have_colors(stage):
+    """The innermost instancer with values per copy counts."""
+    from pxr import UsdGeom
+
+    forest = add_instancer(stage, "/forest", ["/forest/tree"])
+    tree = add_instancer(stage, "/forest/tree", ["/forest/tree/leaf"], [(1, 0, 0), (2, 0, 0)])
+    UsdGeom.Cube.Define(stage, "/forest/tree/leaf")
+    add_primvar(forest, "displayColor", "Color3fArray", "vertex", [(1, 0, 0), (0, 0, 1)])
+    add_primvar(forest, "displayOpacity", "FloatArray", "vertex", [0.5, 1])
+    by_forest = [(1, 0, 0, 0.5)] * 2 + [(0, 0, 1, 1)] * 2
+    assert sum(colors_by_node(latelight.from_usd(stage)).values(), []) == by_forest
+    add_primvar(tree, "displayColor", "Color3fArray", "vertex", [(0, 1, 0), (0.5, 0, 0)])
+    by_both = [(0, 1, 0, 0.5), (0.5, 0, 0, 0.5), (0, 1, 0, 1), (0.5, 0, 0, 1)]
+    assert sum(colors_by_node(latelight.from_usd(stage)).values(), []) == by_both
+
+
+@pytest.mark.parametrize("moving", ["copies", "parent"])
+def test_usd_copies_that_move_have_colors(stage, moving):
+    from pxr import UsdGeom
+
+    copies = add_instancer(stage, "/group/copies", ["/group/copies/cube"])
+    UsdGeom.Cube.Define(stage, "/group/copies/cube")
+    add_primvar(copies, "displayColor", "Color3fArray", "vertex", [(1, 0, 0), (0, 0, 1)])
+    if moving == "copies":
+        copies.GetPositionsAttr().Set([(0, 0, 0), (9, 0, 0)], 0)
+        copies.GetPositionsAttr().Set([(0, 0, 0), (9, 9, 0)], 24)
+    else:
+        shift = UsdGeom.Xformable(stage.DefinePrim("/group", "Xform")).AddTranslateOp()
+        shift.Set((0, 0, 0), 0)
+        shift.Set((5, 0, 0), 24)
+    scene = latelight.from_usd(stage)
+    colors = [surface_colors(scene, scene.instance(handle))[0].tolist() for handle in scene.instances()]
+    assert scene.animations and colors == [[1, 0, 0, 1], [0, 0, 1, 1]]
 
 
 @pytest.mark.parametrize("hidden_by", ["over", "class", "visibility", "purpose"])
@@ -1790,6 +1970,217 @@ def samplers(scene, folder):
 
 
 REPEAT, CLAMP, MIRROR = 10497, 33071, 33648
+
+
+def connect_primvar(stage, shader, name, kind, primvar, fallback=None):
+    """Connects an input of a shader to a reader of a primvar. Kinds are float, float2 or float3."""
+    from pxr import Sdf, UsdShade
+
+    types, path = Sdf.ValueTypeNames, f"{shader.GetPath().GetParentPath()}/{shader.GetPrim().GetName()}_{name}"
+    reader, value_type = UsdShade.Shader.Define(stage, path), getattr(types, kind.capitalize())
+    reader.CreateIdAttr(f"UsdPrimvarReader_{kind}")
+    reader.CreateInput("varname", types.String).Set(primvar)
+    if fallback is not None:
+        reader.CreateInput("fallback", value_type).Set(fallback)
+    shader.CreateInput(name, value_type).ConnectToSource(reader.CreateOutput("result", value_type))
+    return reader
+
+
+def preview_surface(stage, path="/paint/surface"):
+    from pxr import UsdShade
+
+    shader = UsdShade.Shader.Define(stage, path)
+    shader.CreateIdAttr("UsdPreviewSurface")
+    return shader
+
+
+def colors_at(scene, points):
+    """The colors of the only instance at corners at these points, of which all corners there have one."""
+    (handle,) = scene.instances()
+    instance = scene.instance(handle)
+    colors, positions = surface_colors(scene, instance), scene.mesh_arrays(instance.mesh)["positions"]
+    found = [np.unique(colors[(positions == point).all(axis=1)].round(4), axis=0) for point in points]
+    return [same.tolist() for same in found]
+
+
+@pytest.mark.parametrize("interpolation, values, expected", [
+    ("constant", [(0, 1, 0)], [[0, 1, 0]] * 6),
+    ("constant", (0, 0.5, 1), [[0, 0.5, 1]] * 6),  # no array
+    ("vertex", [(n / 8, 0, 1) for n in range(6)], [[n / 8, 0, 1] for n in range(6)]),
+    ("faceVarying", [(n, n / 8, 0) for n in (0, 0, 0, 0, 1, 1, 1, 1)], None),
+    ("uniform", [(1, 0, 0), (0, 0, 1)], None),
+    ("vertex", [(1, 0, 0)] * 5, [[0.25, 0.5, 0.75]] * 6),  # fewer values than points
+    (None, None, [[0.25, 0.5, 0.75]] * 6),
+])  # fmt: skip
+def test_usd_surfaces_read_colors_of_primvars(stage, interpolation, values, expected):
+    shader = preview_surface(stage)
+    mesh = bind(stage, shader)
+    connect_primvar(stage, shader, "diffuseColor", "float3", "paint", (0.25, 0.5, 0.75))
+    if interpolation:
+        add_primvar(mesh, "paint", "Color3fArray" if isinstance(values, list) else "Color3f", interpolation, values)
+    scene = latelight.from_usd(stage)
+    if expected:
+        made = colors_at(scene, mesh.GetPointsAttr().Get())
+        assert made == [[pytest.approx([*color, 1], abs=1e-4)] for color in expected]
+    else:  # points 0 and 3 belong to the first face only, and points 4 and 5 to the second one
+        first, second = ([*color, 1] for color in (values[0], values[-1]))
+        points = [mesh.GetPointsAttr().Get()[n] for n in (0, 3, 4, 5)]
+        assert colors_at(scene, points) == [[first], [first], [second], [second]]
+    assert only_material(scene)[1].alpha_mode == "opaque"
+
+
+def test_usd_surfaces_read_opacities_of_primvars(stage):
+    shader = preview_surface(stage)
+    mesh = bind(stage, shader)
+    connect_primvar(stage, shader, "opacity", "float", "displayOpacity")
+    opacity = mesh.CreateDisplayOpacityPrimvar("vertex")
+    opacity.Set([0, 0.25, 0.5, 0.75, 1, 1])
+    scene = latelight.from_usd(stage)
+    made = colors_at(scene, mesh.GetPointsAttr().Get())
+    assert made == [[pytest.approx([0.18, 0.18, 0.18, alpha])] for alpha in (0, 0.25, 0.5, 0.75, 1, 1)]
+    assert only_material(scene)[1].alpha_mode == "blend"
+
+
+def test_usd_surfaces_read_constant_primvars(stage, tmp_path):
+    """Meshes with a material differ in its constants, which are those of the mesh, inherited or the fallback, and share
+    its textures."""
+    image = pytest.importorskip("PIL.Image")
+    from pxr import UsdGeom, UsdShade
+
+    image.fromarray(np.full((2, 2, 3), 200, np.uint8)).save(tmp_path / "gray.png")
+    painted(stage, tmp_path / "gray.png")
+    shader = UsdShade.Shader(stage.GetPrimAtPath("/paint/surface"))
+    connect_primvar(stage, shader, "metallic", "float", "metal", 0.75)
+    connect_primvar(stage, shader, "emissiveColor", "float3", "glow")
+    material = UsdShade.Material(stage.GetPrimAtPath("/paint"))
+    for name in ("/group/one", "/two"):
+        UsdShade.MaterialBindingAPI.Apply(add_mesh(stage, name).GetPrim()).Bind(material)
+    add_primvar(UsdGeom.Xform.Define(stage, "/group"), "metal", "FloatArray", "constant", [0.25])
+    add_primvar(stage.GetPrimAtPath("/two"), "metal", "FloatArray", "constant", [0.5])
+    add_primvar(stage.GetPrimAtPath("/two"), "glow", "Color3fArray", "constant", [(0, 1, 2)])
+    scene = latelight.from_usd(stage)
+    materials = {n.path: scene.material(scene.instance(i).material) for n, i in zip(scene.nodes, scene.instances())}
+    made = {path: (material.metallic, material.emissive) for path, material in materials.items()}
+    assert made == {"/group.one": (0.25, (0, 0, 0)), "/two": (0.5, (0, 1, 2)), "/squares": (0.75, (0, 0, 0))}
+    assert len(scene.textures()) == 2  # of color and of roughness
+    add_primvar(stage.GetPrimAtPath("/two"), "metal", "FloatArray", "vertex", [0.5] * 6)
+    with pytest.warns(UserWarning, match='fallback of the primvar "metal" for metallic of /paint/surface, because only'):
+        latelight.from_usd(stage)
+
+
+def test_usd_copies_of_instancers_have_primvars_of_their_material(stage):
+    """The material of a prototype reads a primvar with a value per copy, whose name is an input of the material."""
+    from pxr import Sdf, UsdShade
+
+    shader = preview_surface(stage)
+    mesh = bind(stage, shader)
+    reader = connect_primvar(stage, shader, "diffuseColor", "float3", "", (0.5, 0.5, 0.5))
+    named = UsdShade.Material(stage.GetPrimAtPath("/paint")).CreateInput("name", Sdf.ValueTypeNames.String)
+    named.Set("peanut")
+    reader.GetInput("varname").ConnectToSource(named)
+    copies = add_instancer(stage, "/copies", [mesh.GetPath()])
+    stage.GetPrimAtPath("/squares").SetSpecifier(Sdf.SpecifierOver)
+    add_primvar(copies, "peanut", "Color3fArray", "vertex", [(1, 0, 0), (0, 0, 1)])
+    add_primvar(copies, "name", "StringArray", "vertex", ["a", "b"])
+    scene = latelight.from_usd(stage)
+    assert colors_by_node(scene) == {"/copies.0": [(1, 0, 0, 1)], "/copies.1": [(0, 0, 1, 1)]}
+    assert len(scene.meshes()) == 1
+
+
+def test_materialx_surfaces_read_primvars(stage):
+    from pxr import Sdf, UsdShade
+
+    types = Sdf.ValueTypeNames
+    shader = UsdShade.Shader.Define(stage, "/paint/surface")
+    shader.CreateIdAttr("ND_standard_surface_surfaceshader")
+    reader = UsdShade.Shader.Define(stage, "/paint/graph/reader")
+    UsdShade.NodeGraph.Define(stage, "/paint/graph")
+    reader.CreateIdAttr("ND_geompropvalue_color3")
+    reader.CreateInput("geomprop", types.String).Set("paint")
+    reader.CreateInput("default", types.Color3f).Set((0, 0, 0.5))
+    output = UsdShade.NodeGraph(stage.GetPrimAtPath("/paint/graph")).CreateOutput("color", types.Color3f)
+    output.ConnectToSource(reader.CreateOutput("out", types.Color3f))
+    shader.CreateInput("base_color", types.Color3f).ConnectToSource(output)
+    mesh = bind(stage, shader, "mtlx")
+    points = mesh.GetPointsAttr().Get()
+    assert colors_at(latelight.from_usd(stage), points) == [[[0, 0, 0.5, 1]]] * 6
+    add_primvar(mesh, "paint", "Color3fArray", "vertex", [(n / 8, 0, 1) for n in range(6)])
+    assert colors_at(latelight.from_usd(stage), points) == [[[n / 8, 0, 1, 1]] for n in range(6)]
+
+
+def texture_coordinates(scene):
+    """The coordinates per corner, with v up as in USD; the last vertices are those of the second face."""
+    (handle,) = scene.instances()
+    uv = np.array(scene.mesh_arrays(scene.instance(handle).mesh)["uv"])
+    return np.stack([uv[:, 0], 1 - uv[:, 1]], axis=1)
+
+
+@pytest.mark.parametrize("through", ["", "transform"])
+@pytest.mark.parametrize("primvar, scale", [("st", 1), ("uv2", 2), ("map1", 3), ("missing", None), ("", 1)])
+def test_usd_images_have_their_own_texture_coordinates(stage, tmp_path, primvar, scale, through):
+    """By the name that the reader states; without a name, by the usual ones. A mesh without the primvar has the reader's
+    fallback."""
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, UsdShade
+
+    image.fromarray(np.full((2, 2, 3), 200, np.uint8)).save(tmp_path / "gray.png")
+    painted(stage, tmp_path / "gray.png")
+    mesh = stage.GetPrimAtPath("/squares")
+    corners = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (2, 1)])
+    for name, factor in (("st", 1), ("uv2", 2), ("map1", 3)):
+        add_primvar(mesh, name, "TexCoord2fArray", "vertex", (corners * factor).tolist())
+    texture = UsdShade.Shader(stage.GetPrimAtPath("/paint/image"))
+    if through:
+        turn = UsdShade.Shader.Define(stage, "/paint/turn")
+        turn.CreateIdAttr("UsdTransform2d")
+        texture.CreateInput("st", Sdf.ValueTypeNames.Float2).ConnectToSource(
+            turn.CreateOutput("result", Sdf.ValueTypeNames.Float2)
+        )
+        connect_primvar(stage, turn, "in", "float2", primvar, (0.25, 0.5))
+    else:
+        connect_primvar(stage, texture, "st", "float2", primvar, (0.25, 0.5))
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        scene = latelight.from_usd(stage)
+    messages = ['meshes without the primvar "missing", which their material states'] if scale is None else []
+    assert [str(warning.message)[: len(messages[0])] for warning in warned] == messages
+    (handle,) = scene.instances()
+    points = scene.mesh_arrays(scene.instance(handle).mesh)["positions"][:, :2] / 100
+    np.testing.assert_allclose(texture_coordinates(scene), np.tile((0.25, 0.5), (12, 1)) if scale is None else scale * points)
+
+
+def test_usd_meshes_have_one_set_of_texture_coordinates(stage, tmp_path):
+    """That of the base color, and a warning names it. Subsets have sets of their own."""
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, UsdGeom, UsdShade
+
+    types = Sdf.ValueTypeNames
+    image.fromarray(np.full((2, 2, 3), 200, np.uint8)).save(tmp_path / "gray.png")
+    painted(stage, tmp_path / "gray.png")
+    shader = UsdShade.Shader(stage.GetPrimAtPath("/paint/surface"))
+    connect_primvar(stage, UsdShade.Shader(stage.GetPrimAtPath("/paint/image")), "st", "float2", "second")
+    other = UsdShade.Shader.Define(stage, "/paint/other")
+    other.CreateIdAttr("UsdUVTexture")
+    other.CreateInput("file", types.Asset).Set(str(tmp_path / "gray.png"))
+    shader.CreateInput("emissiveColor", types.Color3f).ConnectToSource(other.CreateOutput("rgb", types.Float3))
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath("/squares"))
+    for name, value in (("st", 0.25), ("second", 0.5)):
+        add_primvar(mesh, name, "TexCoord2fArray", "vertex", [(value, value)] * 6)
+    with pytest.warns(UserWarning, match='coordinates "second" for all images of /paint/surface, because a mesh has one'):
+        scene = latelight.from_usd(stage)
+    assert np.unique(texture_coordinates(scene)) == [0.5]
+    other.CreateInput("st", types.Float2).ConnectToSource(
+        UsdShade.Shader(stage.GetPrimAtPath("/paint/image_st")).GetOutput("result")
+    )
+    subset = UsdGeom.Subset.CreateGeomSubset(mesh, "right", UsdGeom.Tokens.face, [1], "materialBind")
+    UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(add_paint(stage, "/red", (1, 0, 0)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene = latelight.from_usd(stage)
+    sets = {}
+    for instance in map(scene.instance, scene.instances()):
+        sets[scene.material(instance.material).name] = np.unique(scene.mesh_arrays(instance.mesh)["uv"]).tolist()
+    assert sets == {"red": [0.25, 0.75], "paint": [0.5]}
 
 
 @pytest.mark.parametrize(

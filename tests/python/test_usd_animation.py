@@ -9,7 +9,7 @@ import pytest
 import latelight
 
 pytest.importorskip("pxr.Usd")
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdSkel, Vt  # noqa: E402
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel, Vt  # noqa: E402
 
 RATE = 24.0
 UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]]) @ np.diag([0.01, 0.01, 0.01, 1])
@@ -567,6 +567,22 @@ def test_values_that_are_read_once_are_named(stage):
     assert scene.light(scene.lights()[0]).intensity == pytest.approx(10 * np.pi) and scene.animations == []
     later = latelight.from_usd(stage, time=6)
     assert later.light(later.lights()[0]).intensity == pytest.approx(15 * np.pi)
+
+
+def test_primvars_that_are_read_once_are_named(stage):
+    """Those that a material or an instancer states, and no others."""
+    mesh = add_tube(stage, "/tube")
+    reader = UsdShade.Shader.Define(stage, "/paint/reader")
+    reader.CreateIdAttr("UsdPrimvarReader_float3")
+    reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("tint")
+    copies = UsdGeom.PointInstancer.Define(stage, "/copies")
+    for prim, name in ((mesh, "tint"), (mesh, "other"), (copies, "displayColor")):
+        primvar = UsdGeom.PrimvarsAPI(prim).CreatePrimvar(name, Sdf.ValueTypeNames.Color3fArray, "vertex")
+        for code in (0, 24):
+            primvar.Set([(code / 24, 0, 0)], code)
+    names = "/tube.primvars:tint, /copies.primvars:displayColor"
+    with pytest.warns(UserWarning, match=f"time samples of {names} only at the time code 0"):
+        latelight.from_usd(stage)
 
 
 def test_warnings_name_the_line_of_the_caller(stage, tmp_path):

@@ -15,6 +15,14 @@ from .time_samples import TimeSamples
 Parts = Sequence[tuple[MeshHandle, MaterialHandle]]  # what a prim consists of
 
 
+def source_of(prim: Any) -> Any:
+    """The path that a prim of a native instance shares with the same prim of other instances: that in the prototype of
+    USD. For other prims, their own; None without a prim."""
+    if not prim:
+        return None
+    return prim.GetPrimInPrototype().GetPath() if prim.IsInstanceProxy() else prim.GetPath()
+
+
 class Context:
     """`pxr` holds the modules of usd-core.
 

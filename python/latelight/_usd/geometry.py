@@ -7,11 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._core import MaterialHandle, MeshHandle, triangulate
+from .._core import MeshHandle, triangulate
 from .._model_builder import v_down
 from ..errors import UsageError
 from .context import Context
-from .materials import Materials, display_colors
+from .materials import VertexSources
+from .primvars import Primvars
 from .time_samples import UV_PRIMVARS
 
 
@@ -30,54 +31,56 @@ class Corners(NamedTuple):
 Deformation = Callable[[Corners, Sequence[str]], dict[str, Any]]
 
 
-def mesh_parts(
+def add_meshes(
     context: Context,
-    materials: Materials,
-    mesh: Any,
+    primvars: Primvars,
+    sources: Sequence[VertexSources],
     points: np.ndarray | None = None,
     point_normals: np.ndarray | None = None,
     pose: np.ndarray | None = None,
     deformation: Deformation | None = None,
-) -> list[tuple[MeshHandle, MaterialHandle]]:
-    """One mesh per material. Corners share no vertices, because values may belong to faces and corners.
+) -> list[MeshHandle | None]:
+    """Adds the meshes of a prim, one for each subset of its faces and one for the other faces; None for those without
+    triangles. Corners share no vertices, because values may belong to faces and corners.
 
-    points, point_normals: in place of those of the mesh
+    sources: the primvars for the vertices of each of these meshes
+    points, point_normals: in place of those of the prim
     pose: transforms of all points, or one for all of them"""
-    prim = mesh.GetPrim()
+    prim = primvars.prim
+    mesh = context.pxr.UsdGeom.Mesh(prim)
     if points is None:
         points = points_of(mesh, context.time)
     every = _corners_of(context, mesh, points)
     if len(every.flat) == 0:
-        return []
+        return [None] * len(sources)
     normals = corner_normals(context, mesh, every, context.time)
     if point_normals is not None and len(point_normals) == len(points):
         normals = point_normals[every.points]
     if pose is not None:
         points, normals = _posed(points, normals, every, pose, prim.GetPath())
-    candidates = (_corner_values(context, prim, name, every, 2) for name in UV_PRIMVARS)
-    uv = next((values for values in candidates if values is not None), None)
-    colors = _corner_values(context, prim, "displayColor", every, 3)
-    opacities = _corner_values(context, prim, "displayOpacity", every, 1)
     kinds = ("positions",) if normals is None else ("positions", "normals")
-    parts = []
-    for material, triangles in _subsets(context, materials, prim, every.faces[::3]):
+    meshes: list[MeshHandle | None] = []
+    for source, triangles in zip(sources, _subset_triangles(context, prim, every.faces[::3])):
+        if not triangles.any():
+            meshes.append(None)
+            continue
         chosen = np.repeat(triangles, 3)
-        handle = materials.convert(material, prim)
-        rgba = None
-        if handle is None and (colors is not None or opacities is not None):  # the material of unbound meshes
-            own = (None if values is None else values[chosen] for values in (colors, opacities))
-            rgba = display_colors(chosen.sum(), *own)
-            handle = materials.of_colors(prim, rgba)
+        uv, colors = _texture_coordinates(primvars, source, every), _vertex_colors(primvars, source, every)
         added = context.scene.add_mesh(
             points[every.points][chosen],
             normals=None if normals is None else normals[chosen],
             uv=None if uv is None else v_down(uv[chosen]),
-            colors=rgba,
+            colors=None if colors is None else colors[chosen],
             name=prim.GetName(),
             **(deformation(every.some(chosen), kinds) if deformation else {}),
         )
-        parts.append((added, handle if handle is not None else materials.default(prim)))
-    return parts
+        meshes.append(added)
+    return meshes
+
+
+def subsets_of(context: Context, prim: Any) -> list[Any]:
+    """The subsets of a mesh's faces that may have a material of their own."""
+    return list(context.pxr.UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets())
 
 
 def points_of(mesh: Any, time: Any) -> np.ndarray:
@@ -136,12 +139,40 @@ def _posed(
     return points, normals
 
 
-def _corner_values(context: Context, prim: Any, name: str, corners: Corners, width: int) -> np.ndarray | None:
-    """The values of a primvar per corner of the triangles."""
-    primvar = _find_primvar(context, prim, name)
-    if primvar is None:
+def _texture_coordinates(primvars: Primvars, source: VertexSources, corners: Corners) -> np.ndarray | None:
+    """Per corner. A primvar that the mesh does not have is replaced by its fallback, and one without a stated name by
+    the first of the usual names."""
+    if source.coordinates is None:
+        candidates = (_corner_values(primvars, name, corners, 2) for name in UV_PRIMVARS)
+        return next((values for values in candidates if values is not None), None)
+    values = _corner_values(primvars, source.coordinates.primvar, corners, 2)
+    if values is None:
+        primvars.context.warn(
+            f'meshes without the primvar "{source.coordinates.primvar}", which their material states for texture '
+            "coordinates, have one texel of its images"
+        )
+        fallback = np.resize(np.array(source.coordinates.fallback, np.float32), 2)
+        values = np.tile(fallback, (len(corners.flat), 1))
+    return values
+
+
+def _vertex_colors(primvars: Primvars, source: VertexSources, corners: Corners) -> np.ndarray | None:
+    """Linear RGBA per corner, white and opaque without a primvar for each."""
+    if not source.color and not source.opacity:
         return None
-    return _per_corner(primvar.ComputeFlattened(context.time), primvar.GetInterpolation(), corners, width)
+    rgba = np.ones((len(corners.flat), 4), np.float32)
+    for name, part in ((source.color, slice(0, 3)), (source.opacity, slice(3, 4))):
+        width = rgba[:, part].shape[1]
+        values = _corner_values(primvars, name, corners, width) if name else None
+        if values is not None and values.shape[1] in (1, width):
+            rgba[:, part] = np.clip(values, 0, 1)
+    return rgba
+
+
+def _corner_values(primvars: Primvars, name: str, corners: Corners, width: int) -> np.ndarray | None:
+    """The values of a primvar per corner of the triangles."""
+    found = primvars.find(name)
+    return None if found is None else _per_corner(found.array, found.interpolation, corners, width)
 
 
 def _find_primvar(context: Context, prim: Any, name: str) -> Any:
@@ -163,17 +194,12 @@ def _per_corner(values: Any, interpolation: str, corners: Corners, width: int) -
     return array[at] if len(array) > at.max() else None
 
 
-def _subsets(context: Context, materials: Materials, prim: Any, faces: np.ndarray) -> list[tuple[Any, np.ndarray]]:
-    """The material of each subset of faces, and which triangles it has."""
-    shade, geom = context.pxr.UsdShade, context.pxr.UsdGeom
+def _subset_triangles(context: Context, prim: Any, faces: np.ndarray) -> list[np.ndarray]:
+    """Which triangles, of these faces, each subset has, and which ones belong to none."""
     rest = np.ones(len(faces), bool)
     parts = []
-    for subset in shade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
-        indices = np.asarray(geom.Subset(subset).GetIndicesAttr().Get(context.time) or [], np.int64)
-        chosen = np.isin(faces, indices) & rest
-        rest &= ~chosen
-        if chosen.any():
-            parts.append((materials.bound(subset), chosen))
-    if rest.any():
-        parts.append((materials.bound(prim), rest))
-    return parts
+    for subset in subsets_of(context, prim):
+        indices = np.asarray(context.pxr.UsdGeom.Subset(subset).GetIndicesAttr().Get(context.time) or [], np.int64)
+        parts.append(np.isin(faces, indices) & rest)
+        rest &= ~parts[-1]
+    return [*parts, rest]

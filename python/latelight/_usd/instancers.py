@@ -12,9 +12,14 @@ from ..errors import UsageError
 from .animation import Animation
 from .context import Context
 from .instances import Instances, root_name
+from .primvars import Copy, CopyPrimvars
 from .skeletons import Skeletons
 from .transforms import unsheared
 from .traversal import visible_prims
+
+# A prim of a prototype, its transform relative to the prototype's parent, and in which copies of instancers within the
+# prototype it is shown, the innermost one first: those whose instancers have primvars per copy.
+Part = tuple[Any, np.ndarray, tuple[Copy, ...]]
 
 _MAX_PARTS = 2**20  # prims of a prototype, whose number is multiplied by each instancer below it
 
@@ -24,7 +29,7 @@ class Instancers:
         self, context: Context, animation: Animation, instances: Instances, skeletons: Skeletons
     ) -> None:
         self.context, self.animation, self.instances, self.skeletons = context, animation, instances, skeletons
-        self.prototypes: dict[Any, list[tuple[Any, np.ndarray]]] = {}  # what they show, by their paths
+        self.prototypes: dict[Any, list[Part]] = {}  # what they show, by their paths
         self.unfolded: list[Any] = []  # paths of the instancers whose prototypes are being collected
 
     def add(self, prim: Any) -> None:
@@ -41,19 +46,19 @@ class Instancers:
 
             made = self.animation.add_moving_nodes(nodes, times, placed_at, prim.GetPath())
             node_of_copy = dict(zip(numbers, made))
-            for n, _, part, local in copies:
-                name, parts = node_name(part.GetName()), self.instances.shown(part).parts
+            for n, _, part, local, within in copies:
+                name, parts = node_name(part.GetName()), self.instances.parts_of(part, within)
                 self.context.scene.add_node(name, node_of_copy[n], matrix=local, parts=parts)
         elif self.context.samples.moves(prim):
             above = self.animation.node_of(prim)
-            for n, matrix, part, local in copies:
-                parts = self.instances.shown(part).parts
+            for n, matrix, part, local, within in copies:
+                parts = self.instances.parts_of(part, within)
                 self.context.scene.add_node(str(n), above, matrix=matrix @ local, parts=parts)
         else:
             base = self.context.stage_from(prim)
-            for n, matrix, part, local in copies:
+            for n, matrix, part, local, within in copies:
                 name = root_name(f"{prim.GetPath()}/{n}")
-                for mesh, material in self.instances.shown(part).parts:
+                for mesh, material in self.instances.parts_of(part, within):
                     self.context.builder.add_instance(mesh, material, base @ matrix @ local, name)
 
     # --- copies ---
@@ -64,9 +69,11 @@ class Instancers:
         mask = instancer.ComputeMaskAtTime(self.context.time)
         return [i for i in range(count) if not mask or mask[i]]
 
-    def _copies(self, instancer: Any, numbers: Sequence[int]) -> Iterator[tuple[int, np.ndarray, Any, np.ndarray]]:
-        """The number and transform of each copy, relative to the instancer, with each prim that it shows and its
-        transform relative to the copy."""
+    def _copies(
+        self, instancer: Any, numbers: Sequence[int]
+    ) -> Iterator[tuple[int, np.ndarray, Any, np.ndarray, tuple[Copy, ...]]]:
+        """The number and transform of each copy, relative to the instancer, with each prim that it shows, its transform
+        relative to the copy, and the copies in which it is shown."""
         path = instancer.GetPath()
         indices = np.asarray(instancer.GetProtoIndicesAttr().Get(self.context.time) or [], np.int64)
         shown = indices[np.asarray(numbers, np.int64)]
@@ -79,9 +86,11 @@ class Instancers:
         get_prim = self.context.stage.GetPrimAtPath
         parts = {index: self._parts_of_prototype(get_prim(targets[index])) for index in np.unique(shown)}
         self.unfolded.pop()
+        primvars = CopyPrimvars(self.context, instancer, len(indices))
         for n, index, matrix in zip(numbers, shown, self._matrices(instancer, self.context.time)):
-            for prim, local in parts[index]:
-                yield n, matrix, prim, local
+            copy = (Copy(primvars, n, targets[index]),) if primvars.primvars else ()
+            for prim, local, within in parts[index]:
+                yield n, matrix, prim, local, within + copy
 
     def _matrices(self, instancer: Any, time: Any) -> np.ndarray:
         """The transforms of the visible copies, (n, 4, 4), relative to the instancer."""
@@ -110,12 +119,12 @@ class Instancers:
 
     # --- prototypes ---
 
-    def _parts_of_prototype(self, prototype: Any) -> list[tuple[Any, np.ndarray]]:
-        """The prims that a prototype shows, with their transforms relative to its parent."""
+    def _parts_of_prototype(self, prototype: Any) -> list[Part]:
+        """The prims that a prototype shows."""
         if not prototype:  # a target that does not exist
             return []
         if prototype.GetPath() not in self.prototypes:
-            parts: list[tuple[Any, np.ndarray]] = []
+            parts: list[Part] = []
             for part in self._unfolded_parts(prototype):
                 parts.append(part)
                 if len(parts) > _MAX_PARTS:
@@ -123,7 +132,7 @@ class Instancers:
             self.prototypes[prototype.GetPath()] = parts
         return self.prototypes[prototype.GetPath()]
 
-    def _unfolded_parts(self, prototype: Any) -> Iterator[tuple[Any, np.ndarray]]:
+    def _unfolded_parts(self, prototype: Any) -> Iterator[Part]:
         geom, skel = self.context.pxr.UsdGeom, self.context.pxr.UsdSkel
         if root := skel.Root.Find(prototype):
             self.skeletons.add_root(root.GetPrim(), self.context.prototype_predicate)
@@ -133,15 +142,15 @@ class Instancers:
             is_nested = prim.IsA(geom.PointInstancer)
             if not is_nested and not self.instances.is_shown(prim):
                 continue
-            frame = prim if is_nested else self.instances.shown(prim).frame
+            frame = prim if is_nested else self.instances.frame_of(prim)
             self._warn_of_changes(prim, frame, prototype)
             local = self._relative(frame, prototype.GetParent())
             if not is_nested:
-                yield prim, local
+                yield prim, local, ()
                 continue
             nested = geom.PointInstancer(prim)
-            for _, matrix, part, own in self._copies(nested, self._numbers(nested)):
-                yield part, local @ matrix @ own
+            for _, matrix, part, own, within in self._copies(nested, self._numbers(nested)):
+                yield part, local @ matrix @ own, within
 
     def _warn_of_changes(self, prim: Any, frame: Any, prototype: Any) -> None:
         """Notes a prim of a prototype that changes over time, since copies show it at rest."""
@@ -156,10 +165,11 @@ class Instancers:
 
     def _relative(self, prim: Any, above: Any) -> np.ndarray:
         """The transform of a prim relative to another one, which is above it except for skeletons elsewhere."""
-        if not _is_below(prim, above):
-            return np.linalg.pinv(self.context.stage_from(above)) @ self.context.stage_from(prim)
-        relative, _ = self.context.transforms.ComputeRelativeTransform(prim, above)
-        return np.array(relative, np.float64).T
+        if _is_below(prim, above):
+            relative, _ = self.context.transforms.ComputeRelativeTransform(prim, above)
+            return np.array(relative, np.float64).T
+        elsewhere: np.ndarray = np.linalg.pinv(self.context.stage_from(above)) @ self.context.stage_from(prim)
+        return elsewhere
 
 
 def _is_below(prim: Any, above: Any) -> bool:

@@ -2,77 +2,130 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .._core import Material, MaterialHandle
 from .._model_builder import DEFAULT_COLOR
 from . import images
-from .context import Context
+from .context import Context, source_of
+from .primvars import Primvars
+from .readers import Reader
 from .surfaces import Surface
 
 F0 = 0.04  # the reflectance at normal incidence of the index of refraction 1.5
 
 
-def display_colors(count: int, colors: np.ndarray | None, opacities: np.ndarray | None) -> np.ndarray:
-    """The values of displayColor, which is linear, and displayOpacity, as colors of vertices. The default is that of
-    meshes without a material."""
-    rgba = np.tile(np.array(DEFAULT_COLOR, np.float32), (count, 1))
-    if colors is not None:
-        rgba[:, :3] = np.clip(colors, 0, 1)
-    if opacities is not None:
-        rgba[:, 3:] = np.clip(opacities, 0, 1)
-    return rgba
+class VertexSources(NamedTuple):
+    """The primvars that the vertices of a mesh have: for colors and opacities that differ over it, which the factors of
+    its material multiply, and for texture coordinates. Empty or None for each without."""
+
+    color: str = ""
+    opacity: str = ""
+    coordinates: Reader | None = None
+
+
+class Look(NamedTuple):
+    material: MaterialHandle
+    vertices: VertexSources
+
+
+class Shading(NamedTuple):
+    """A material: the path that it shares with native instances, its surface shader, if it is supported, the shader's
+    identifier, and the primvars that it reads."""
+
+    source: Any
+    shader: Any = None
+    identifier: str = ""
+    primvars: tuple[str, ...] = ()
+
+
+_DISPLAY = ("displayColor", "displayOpacity")  # the primvars that meshes without a material read
 
 
 class Materials:
     def __init__(self, context: Context) -> None:
         self.context = context
-        self.made: dict[tuple[str, bool], MaterialHandle] = {}
+        self.made: dict[Any, Look] = {}
+        self.shadings: dict[Any, Shading] = {}
         self.images: dict[tuple[str, str], Any] = {}
 
-    def bound(self, prim: Any) -> Any:
-        """The UsdShadeMaterial of a prim or of a subset of its faces."""
-        return self.context.pxr.UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+    def bound(self, prim: Any) -> Shading | None:
+        """The material of a prim or of a subset of its faces, None without one: that for full renderings, or else the
+        one for previews if only this one has a supported shader or only this one is bound."""
+        shade, first = self.context.pxr.UsdShade, None
+        binding = shade.MaterialBindingAPI(prim)
+        for purpose in (shade.Tokens.full, shade.Tokens.preview):
+            material = binding.ComputeBoundMaterial(purpose)[0]
+            shading = self._shading(material) if material else None
+            if shading and shading.shader:
+                return shading
+            first = first or shading
+        return first
 
-    def default(self, prim: Any) -> MaterialHandle:
-        return self.context.builder.default_material(self._is_double_sided(prim))
+    def primvars_read(self, shading: Shading | None) -> tuple[str, ...]:
+        return shading.primvars if shading else _DISPLAY
 
-    def of_colors(self, prim: Any, rgba: np.ndarray) -> MaterialHandle:
-        """For a mesh or shape whose vertices have these colors."""
-        return self.context.builder.white(bool((rgba[:, 3] < 1).any()), self._is_double_sided(prim))
-
-    def convert(self, material: Any, prim: Any) -> MaterialHandle | None:
-        """The material of a mesh or shape, which states whether it has two sides; None if none is bound."""
-        if not material:
-            return None
-        double_sided = self._is_double_sided(prim)
-        key = (str(material.GetPath()), double_sided)
-        if key not in self.made:
-            handle = self._add(material)
-            if handle is None:
-                return self.default(prim)
-            if double_sided:
-                values = self.context.scene.material(handle)
-                values.double_sided = True
-                self.context.scene.set_material(handle, values)
-            self.made[key] = handle
-        return self.made[key]
-
-    def _is_double_sided(self, prim: Any) -> bool:
+    def is_double_sided(self, prim: Any) -> bool:
         return bool(self.context.pxr.UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(self.context.time))
 
-    def _add(self, material: Any) -> MaterialHandle | None:
-        for render_context in ("", "mtlx"):  # the universal one first
-            shader = material.ComputeSurfaceSource(render_context)[0]
-            identifier = shader.GetShaderId() if shader else ""
-            name, surface = material.GetPrim().GetName(), Surface(self.context, shader, self.images)
-            if identifier in ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader"):
-                return _add_preview_surface(self.context, name, surface)
-            if identifier == "ND_standard_surface_surfaceshader":
-                return _add_standard_surface(self.context, name, surface)
-        return None
+    def look(self, shading: Shading | None, primvars: Primvars, double_sided: bool) -> Look:
+        """How a mesh or shape, or a subset of its faces, looks with a material, or with none."""
+        if not shading:
+            return self._display_look(primvars, double_sided)
+        if not shading.shader:
+            return Look(self.context.builder.default_material(double_sided), VertexSources())
+        read = tuple(None if primvars.varies(p) else primvars.constant(p) or () for p in shading.primvars)
+        key = (shading.source, double_sided, read)
+        if key not in self.made:
+            self.made[key] = self._add(shading, primvars, double_sided)
+        return self.made[key]
+
+    def _display_look(self, primvars: Primvars, double_sided: bool) -> Look:
+        """By the linear displayColor and displayOpacity. The default is the color of meshes without a material."""
+        color, opacity = map(primvars.find, _DISPLAY)
+        if not color and not opacity:
+            return Look(self.context.builder.default_material(double_sided), VertexSources())
+        rgba, vertices = np.array(DEFAULT_COLOR, np.float32), VertexSources()
+        if color:
+            rgba[:3] = np.clip(np.resize(color.array[0], 3), 0, 1)
+        if color and color.interpolation != "constant":
+            rgba[:3], vertices = 1, vertices._replace(color="displayColor")
+        if opacity:
+            rgba[3] = np.clip(opacity.array[0, 0], 0, 1)
+        if opacity and opacity.interpolation != "constant":
+            rgba[3], vertices = 1, vertices._replace(opacity="displayOpacity")
+        translucent = bool(opacity and (opacity.array < 1).any())
+        name = "vertex colors" if vertices.color or vertices.opacity else "display color"
+        return Look(self.context.builder.plain(name, tuple(rgba.tolist()), translucent, double_sided), vertices)
+
+    def _shading(self, material: Any) -> Shading:
+        source = source_of(material.GetPrim())
+        if source not in self.shadings:
+            self.shadings[source] = Shading(source)
+            for render_context in ("", "mtlx"):  # the universal one first
+                shader = material.ComputeSurfaceSource(render_context)[0]
+                identifier = shader.GetShaderId() if shader else ""
+                if identifier in _CONVERSIONS:
+                    surface = Surface(self.context, shader, self.images, Primvars(self.context, None))
+                    readers = (surface.reader(given.GetBaseName()) for given in shader.GetInputs())
+                    primvars = dict.fromkeys(reader.primvar for reader in readers if reader)
+                    self.shadings[source] = Shading(source, shader, identifier, tuple(primvars))
+                    break
+        return self.shadings[source]
+
+    def _add(self, shading: Shading, primvars: Primvars, double_sided: bool) -> Look:
+        add, color, opacity = _CONVERSIONS[shading.identifier]
+        inputs = [name for name in (color, opacity) if name]
+        surface = Surface(self.context, shading.shader, self.images, primvars, inputs)
+        handle = add(self.context, shading.source.name, surface)
+        if double_sided:
+            values = self.context.scene.material(handle)
+            values.double_sided = True
+            self.context.scene.set_material(handle, values)
+        colors = surface.vertex_primvar(color), surface.vertex_primvar(opacity)
+        return Look(handle, VertexSources(*colors, surface.coordinates(*inputs)))
 
 
 def _has_specular_workflow(surface: Surface) -> bool:
@@ -83,6 +136,7 @@ def _has_specular_workflow(surface: Surface) -> bool:
 def _add_preview_surface(context: Context, name: str, surface: Surface) -> MaterialHandle:
     mask = surface.channel("opacity")
     opacity, threshold = surface.factor("opacity", 1), surface.number("opacityThreshold", 0)
+    is_translucent = opacity < 1 or mask is not None or surface.vertex_primvar("opacity") != ""
     base = surface.tint("diffuseColor", (0.18, 0.18, 0.18))
     specular = surface.tint("specularColor", (0, 0, 0)) if _has_specular_workflow(surface) else None
     handle = context.scene.add_material(
@@ -96,7 +150,7 @@ def _add_preview_surface(context: Context, name: str, surface: Surface) -> Mater
             clearcoat_roughness=surface.number("clearcoatRoughness", 0.01),
             f0=surface.f0("ior", 1.5) if specular is None else F0,
             specular_color=(1, 1, 1) if specular is None else tuple(min(c, 1) / F0 for c in specular),
-            alpha_mode="mask" if threshold > 0 else "blend" if opacity < 1 or mask is not None else "opaque",
+            alpha_mode="mask" if threshold > 0 else "blend" if is_translucent else "opaque",
             alpha_cutoff=threshold if threshold > 0 else 0.5,
         )
     )
@@ -105,11 +159,17 @@ def _add_preview_surface(context: Context, name: str, surface: Surface) -> Mater
 
 
 def _add_preview_textures(context: Context, handle: MaterialHandle, surface: Surface) -> None:
-    color = images.with_alpha(surface.image("diffuseColor", "RGB"), surface.channel("opacity"))
     has_specular = _has_specular_workflow(surface)
-    metal = None if has_specular else surface.channel("metallic")
-    packed = images.metallic_roughness(surface.channel("roughness"), metal)
-    occlusion = images.occlusion(surface.channel("occlusion"))
+
+    def pack_color() -> Any:
+        return images.with_alpha(surface.image("diffuseColor", "RGB"), surface.channel("opacity"))
+
+    def pack_roughness() -> Any:
+        metal = None if has_specular else surface.channel("metallic")
+        return images.metallic_roughness(surface.channel("roughness"), metal)
+
+    color, packed = surface.packed("color", pack_color), surface.packed(f"roughness{has_specular}", pack_roughness)
+    occlusion = surface.packed("occlusion", lambda: images.occlusion(surface.channel("occlusion")))
     add = context.builder.add_texture
     add(handle, "base_color", color, True, surface.wrap("diffuseColor", "opacity"))
     add(handle, "emissive", surface.image("emissiveColor", "RGB"), True, surface.wrap("emissiveColor"))
@@ -124,7 +184,6 @@ def _add_preview_textures(context: Context, handle: MaterialHandle, surface: Sur
 def _add_standard_surface(context: Context, name: str, surface: Surface) -> MaterialHandle:
     """Autodesk Standard Surface 1.0.1 (Georgiev et al. 2019) as far as glTF's model has its layers."""
     image, emissive = surface.image("base_color", "RGB"), surface.image("emission_color", "RGB")
-    rough, metal = surface.channel("specular_roughness"), surface.channel("metalness")
     base, emission = surface.number("base", 1), float(surface.value("emission", 0))
     color = surface.tint("base_color", (0.8, 0.8, 0.8))
     glow = surface.tint("emission_color", (1, 1, 1))
@@ -152,9 +211,22 @@ def _add_standard_surface(context: Context, name: str, surface: Surface) -> Mate
             alpha_mode="blend" if opacity < 1 else "opaque",
         )
     )
-    add, packed = context.builder.add_texture, images.metallic_roughness(rough, metal)
+
+    def pack_roughness() -> Any:
+        return images.metallic_roughness(surface.channel("specular_roughness"), surface.channel("metalness"))
+
+    add, packed = context.builder.add_texture, surface.packed("roughness", pack_roughness)
     add(handle, "base_color", image, True, surface.wrap("base_color"))
     add(handle, "emissive", emissive, True, surface.wrap("emission_color"))
     add(handle, "normal", surface.image("normal"), False, surface.wrap("normal"))
     add(handle, "metallic_roughness", packed, False, surface.wrap("specular_roughness", "metalness"))
     return handle
+
+
+# The conversions of surface shaders by their identifiers, with their inputs whose values may differ per vertex: the
+# color and the opacity.
+_CONVERSIONS = {
+    "UsdPreviewSurface": (_add_preview_surface, "diffuseColor", "opacity"),
+    "ND_UsdPreviewSurface_surfaceshader": (_add_preview_surface, "diffuseColor", "opacity"),
+    "ND_standard_surface_surfaceshader": (_add_standard_surface, "base_color", ""),
+}

@@ -13,9 +13,8 @@ import numpy as np
 from .animation import Animation
 from .blend_shapes import BlendShapes, blended_points
 from .context import Context, Parts
-from .geometry import Corners, corner_normals, count_points, mesh_parts, points_of
+from .geometry import Corners, corner_normals, count_points, points_of
 from .instances import Instances, root_name
-from .materials import Materials
 from .skeletons import Binding, Skeletons
 
 _LARGEST_MORPH = 2**31  # bytes of the morph targets of a mesh, which small files can make large
@@ -23,9 +22,9 @@ _LARGEST_MORPH = 2**31  # bytes of the morph targets of a mesh, which small file
 
 class Meshes:
     def __init__(
-        self, context: Context, animation: Animation, materials: Materials, instances: Instances, skeletons: Skeletons
+        self, context: Context, animation: Animation, instances: Instances, skeletons: Skeletons
     ) -> None:
-        self.context, self.animation, self.materials = context, animation, materials
+        self.context, self.animation = context, animation
         self.instances, self.skeletons = instances, skeletons
 
     def add(self, prim: Any) -> None:
@@ -53,7 +52,7 @@ class Meshes:
         triangles = np.maximum(np.asarray(faces[0].Get(self.context.time) or [], np.int64) - 2, 0).sum()
         size = len(times) * (3 * 24 * triangles + 4 * len(times))  # targets with normals, and weights
         changes = any(attribute.ValueMightBeTimeVarying() for attribute in faces)
-        is_posed = binding.deforms() or any(values is not None for values in self.instances.pose(mesh, binding))
+        is_posed = binding.deforms() or any(part is not None for part in self.instances.pose(mesh.GetPrim()))
         if is_posed or len(counts) > 1 or changes or size > _LARGEST_MORPH:
             samples.add_unplayed(mesh.GetPointsAttr())
             return []
@@ -73,7 +72,7 @@ class Meshes:
                         target["normals"] = later - normals[0]
             return {"targets": targets}
 
-        parts = mesh_parts(self.context, self.materials, mesh, deformation=of_corners)
+        parts = self.instances.deformed_parts(mesh.GetPrim(), None, None, of_corners)
         self._place(parts, mesh.GetPrim(), times, np.eye(len(times), dtype=np.float32)[:, 1:])
 
     # --- skeletons and blend shapes that are animated ---
@@ -100,7 +99,7 @@ class Meshes:
             moved = [{kind: target[kind][corners.points] for kind in kinds if kind in target} for target in targets]
             return {**own, "targets": moved, **({"skin": skin} if arrays else {})}
 
-        parts = mesh_parts(self.context, self.materials, mesh, points, normals, deformation=of_corners)
+        parts = self.instances.deformed_parts(mesh.GetPrim(), points, normals, of_corners)
         self._place(parts, mesh.GetPrim(), times, weights, bool(arrays))
 
     def _place(

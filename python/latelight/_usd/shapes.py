@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from .._core import MaterialHandle, MeshHandle
+from .._core import MeshHandle
 from .._shapes import Shape, box, capsule, cone, cylinder, ellipsoid, mesh_arrays, plane, tapered_capsule
 from ..errors import UsageError
 from .context import Context
-from .materials import Materials, display_colors
 
 # The shapes of UsdGeom by type, from their attributes, around Z. A plane faces its axis: if that is X or Y, its length
 # comes before its width.
@@ -35,7 +34,7 @@ def is_shape(prim: Any) -> bool:
     return prim.GetTypeName() in _SHAPES
 
 
-def shape_part(context: Context, materials: Materials, prim: Any) -> tuple[MeshHandle, MaterialHandle]:
+def add_shape(context: Context, prim: Any) -> MeshHandle:
     def size(name: str) -> float:
         value = float(prim.GetAttribute(name).Get(context.time))
         if not 0 <= value < math.inf or (value == 0 and name in ("radius", "size", "width", "length")):
@@ -47,19 +46,4 @@ def shape_part(context: Context, materials: Materials, prim: Any) -> tuple[MeshH
     points, normals, triangles = _SHAPES[prim.GetTypeName()](size, axis)
     turned = _TURNED[axis]
     arrays = mesh_arrays((points[:, turned], normals[:, turned], triangles))
-    material = materials.convert(materials.bound(prim), prim)
-    color, opacity = (_constant(context, prim, name) for name in ("displayColor", "displayOpacity"))
-    if material is None and (color is not None or opacity is not None):
-        arrays["colors"] = display_colors(len(points), color, opacity)
-        material = materials.of_colors(prim, arrays["colors"])
-    mesh = context.scene.add_mesh(**arrays, name=prim.GetName())
-    return mesh, material if material is not None else materials.default(prim)
-
-
-def _constant(context: Context, prim: Any, name: str) -> np.ndarray | None:
-    """The value of a primvar that has one for the whole shape."""
-    primvar = context.pxr.UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
-    if not primvar or not primvar.HasValue() or primvar.GetInterpolation() != "constant":
-        return None
-    values = np.asarray(primvar.ComputeFlattened(context.time), np.float32)
-    return values[:1] if len(values) > 0 else None
+    return context.scene.add_mesh(**arrays, name=prim.GetName())

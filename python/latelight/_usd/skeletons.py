@@ -55,7 +55,8 @@ class Skeletons:
         skeleton = self.context.pxr.UsdSkel.BindingAPI(prim).GetInheritedSkeleton() if skinning else None
         query = self.cache.GetSkelQuery(skeleton) if skeleton else None
         animation = query.GetAnimQuery() if query else None
-        return Binding(skinning or None, query or None, animation or None, skeleton.GetPrim() if query else None)
+        owner = skeleton.GetPrim() if skeleton and query else None
+        return Binding(skinning or None, query or None, animation or None, owner)
 
     # --- joints that move ---
 
@@ -104,11 +105,18 @@ class Skeletons:
 
     # --- joints at a time ---
 
-    def pose(self, binding: Binding, path: Any) -> np.ndarray | None:
-        """For a mesh with a skeleton: transforms (points or 1, 4, 4), which move its points to the skeleton's space."""
+    def has_pose(self, binding: Binding) -> bool:
+        """True if a skeleton poses the mesh."""
+        return bool(self._skinning_transforms(binding))
+
+    def _skinning_transforms(self, binding: Binding) -> Any:
         if not binding.has_joints() or not binding.skeleton:
             return None
-        transforms = binding.skeleton.ComputeSkinningTransforms(self.context.time)
+        return binding.skeleton.ComputeSkinningTransforms(self.context.time)
+
+    def pose(self, binding: Binding, path: Any) -> np.ndarray | None:
+        """For a mesh with a skeleton: transforms (points or 1, 4, 4), which move its points to the skeleton's space."""
+        transforms = self._skinning_transforms(binding)
         if not transforms:
             return None
         joints = np.array(transforms, np.float64).transpose(0, 2, 1)[_joint_order(binding, path)]

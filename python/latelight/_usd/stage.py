@@ -39,14 +39,14 @@ def from_usd(
         code, and a warning names them
     allow_outside: folders that a file may refer to, besides its own
 
-    Converted are visible meshes with their subsets, holes, normals, texture coordinates (st), displayColor and
+    Converted are visible meshes with their subsets, holes, normals, texture coordinates, displayColor and
     displayOpacity; skeletons and blend shapes with in-betweens; spheres, cubes, cones, planes, and cylinders and
-    capsules with one or two radii; instances and point instancers; UsdPreviewSurface and MaterialX's standard
-    surface with their images; distant, sphere, rect, disk and cylinder lights, with color temperatures, and spheres
-    with a cone as spot lights; dome lights, as the scene's environment; perspective, orthographic and shifted
-    cameras; and the stage's units, up axis and chosen variants. Animated are transforms, skeletons, weights of blend
-    shapes, points and normals, copies of instancers, and visibility. Subdivision surfaces are shown as their cages.
-    Curves, points, volumes, procedural textures and other shaders are left out."""
+    capsules with one or two radii; instances and point instancers, with primvars per copy; UsdPreviewSurface and
+    MaterialX's standard surface with their images and primvars; distant, sphere, rect, disk and cylinder lights, with
+    color temperatures, and spheres with a cone as spot lights; dome lights, as the scene's environment; perspective,
+    orthographic and shifted cameras; and the stage's units, up axis and chosen variants. Animated are transforms,
+    skeletons, weights of blend shapes, points and normals, copies of instancers, and visibility. Subdivision surfaces
+    are shown as their cages. Curves, points, volumes, procedural textures and other shaders are left out."""
     with _opened(stage, time, allow_outside, "from_usd") as context:
         scene = _converted(context)
     if context.samples.unplayed:
@@ -92,7 +92,7 @@ def _converted(context: Context) -> Scene:
     animation, materials = Animation(context), Materials(context)
     skeletons = Skeletons(context, animation)
     instances = Instances(context, animation, materials, skeletons)
-    meshes = Meshes(context, animation, materials, instances, skeletons)
+    meshes = Meshes(context, animation, instances, skeletons)
     domes: list[Any] = []
     copied: list[Any] = []
     for prim in visible_prims(context):

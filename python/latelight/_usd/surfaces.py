@@ -1,7 +1,8 @@
-"""The inputs of surface shaders: constants, and the images that are connected to them."""
+"""The inputs of surface shaders: constants, and the images and primvars that are connected to them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,9 +10,14 @@ import numpy as np
 from .._model_builder import Wrap
 from .context import Context
 from .images import open_image
+from .primvars import Primvars
+from .readers import Reader, reader_of
 
 # The wrap modes of UsdUVTexture and MaterialX; all others are "repeat". Textures of glTF have no border color.
 WRAPS: dict[str, Wrap] = {"clamp": "clamp", "mirror": "mirror", "black": "clamp", "constant": "clamp"}
+
+
+_DEEPEST = 8  # transforms of texture coordinates, which may form a cycle
 
 
 class ImageUse(NamedTuple):
@@ -21,26 +27,41 @@ class ImageUse(NamedTuple):
     output: str = ""  # the channel, or "rgb"
     scale: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)  # of red, green, blue and alpha
     wraps: tuple[str, ...] = ()  # USD's or MaterialX's wrap modes of s and t
+    coordinates: Reader | None = None  # the texture coordinates, if the shader states their primvar
 
     def channel(self) -> int:
         return {"g": 1, "b": 2, "a": 3}.get(self.output, 0)
 
 
 class Surface:
-    """A surface shader. `images`: the images that are open, by path and mode, which surfaces share."""
+    """A surface shader, as it applies to a mesh or shape.
 
-    def __init__(self, context: Context, shader: Any, images: dict[tuple[str, str], Any]) -> None:
+    images: the images that are open, by path and mode, or packed, by shader and slot, which surfaces share
+    per_vertex: the inputs that may differ over a mesh, as colors of its vertices"""
+
+    def __init__(
+        self,
+        context: Context,
+        shader: Any,
+        images: dict[tuple[str, str], Any],
+        primvars: Primvars,
+        per_vertex: Sequence[str] = (),
+    ) -> None:
         self.context, self.shader, self.images = context, shader, images
+        self.primvars, self.per_vertex = primvars, per_vertex
 
     # --- constants ---
 
     def value(self, name: str, otherwise: Any) -> Any:
-        """A constant, also one that a node graph passes on; `otherwise` if it is missing or an image."""
+        """A constant, also one that a node graph passes on, or that of a primvar; `otherwise` if it is missing or an
+        image."""
         given = self.shader.GetInput(name)
         if not given:
             return otherwise
         if self.image_use(name).path:
             return otherwise
+        if reader := self.reader(name):
+            return self._read(name, reader, otherwise)
         result = self._constant(given)
         return otherwise if result is None else result
 
@@ -60,6 +81,35 @@ class Surface:
         ior = float(self.value(name, otherwise))
         return ((ior - 1) / (ior + 1)) ** 2
 
+    # --- primvars ---
+
+    def reader(self, name: str) -> Reader | None:
+        """The primvar that an input is connected to."""
+        given, pxr = self.shader.GetInput(name), self.context.pxr
+        sources = pxr.UsdShade.Utils.GetValueProducingAttributes(given) if given else ()
+        return reader_of(pxr, sources[0].GetPrim()) if sources else None
+
+    def vertex_primvar(self, name: str) -> str:
+        """The primvar with the values of an input per vertex: empty if it is constant."""
+        reader = self.reader(name) if name in self.per_vertex else None
+        return reader.primvar if reader and self.primvars.varies(reader.primvar) else ""
+
+    def _read(self, name: str, reader: Reader, otherwise: Any) -> Any:
+        """The constant value of a primvar, with as many numbers as `otherwise`. For values per vertex, their factor."""
+        if self.vertex_primvar(name):
+            return np.ones_like(otherwise).tolist()
+        values = self.primvars.constant(reader.primvar)
+        if values is None and self.primvars.varies(reader.primvar):
+            self.context.warn(
+                f'from_usd uses the fallback of the primvar "{reader.primvar}" for {name} of {self.shader.GetPath()}, '
+                "because only the base color and the opacity may differ over a mesh"
+            )
+        values = reader.fallback if values is None else values
+        width = np.size(otherwise)
+        if np.ndim(otherwise) == 0:
+            return values[0]
+        return tuple(values[:width]) if len(values) >= width else values[:1] * width
+
     # --- constants or images ---
 
     def factor(self, name: str, otherwise: float) -> float:
@@ -74,6 +124,20 @@ class Surface:
 
     # --- images ---
 
+    def coordinates(self, *first: str) -> Reader | None:
+        """The texture coordinates of all images, by those of the first of these inputs and then of all others; None if
+        no shader states them."""
+        names = dict.fromkeys([*first, *(given.GetBaseName() for given in self.shader.GetInputs())])
+        uses = [use for use in map(self.image_use, names) if use.path]
+        readers = list(dict.fromkeys(use.coordinates for use in uses))
+        if len(readers) > 1:
+            chosen = f'"{readers[0].primvar}"' if readers[0] else "of the usual name"
+            self.context.warn(
+                f"from_usd uses the texture coordinates {chosen} for all images of {self.shader.GetPath()}, because a "
+                "mesh has one set of them"
+            )
+        return readers[0] if readers else None
+
     def image(self, name: str, mode: str = "") -> Any:
         """The image that an input is connected to, as pixels: in a mode of Pillow, or in the file's.
 
@@ -84,6 +148,13 @@ class Surface:
         key = (path, mode)
         if key not in self.images:
             self.images[key] = self.image(name).convert(mode) if mode else open_image(self.context.files, path)
+        return self.images[key]
+
+    def packed(self, slot: str, pack: Callable[[], Any]) -> Any:
+        """The image of a texture that `pack` combines of others, once for all prims with this shader."""
+        key = (str(self.shader.GetPath()), slot)
+        if key not in self.images:
+            self.images[key] = pack()
         return self.images[key]
 
     def channel(self, name: str) -> np.ndarray | None:
@@ -120,7 +191,8 @@ class Surface:
             path = files.resolved(file)
             if path and files.exists(path):
                 output = source.GetName().removeprefix("outputs:")
-                return ImageUse(path, output, self._scale_of(texture), self._wraps_of(texture))
+                scale, wraps = self._scale_of(texture), self._wraps_of(texture)
+                return ImageUse(path, output, scale, wraps, self._coordinates_of(texture))
             if file and file.path:
                 reason = "consists of UDIM tiles, which are not supported" if "<UDIM>" in file.path else "does not exist"
                 self.context.warn(f"the image {file.path} of {texture.GetPath()} {reason}, and is left out")
@@ -138,3 +210,16 @@ class Surface:
         names = ("wrapS", "wrapT") if is_usd else ("uaddressmode", "vaddressmode")
         inputs = [texture.GetInput(name) for name in names]
         return tuple(str(given.Get(self.context.time) or "repeat") if given else "repeat" for given in inputs)
+
+    def _coordinates_of(self, texture: Any) -> Reader | None:
+        """The texture coordinates of an image, also through transforms of them."""
+        pxr, shader = self.context.pxr, texture
+        for _ in range(_DEEPEST):
+            given = next((i for i in map(shader.GetInput, ("st", "texcoord", "in")) if i), None)
+            sources = pxr.UsdShade.Utils.GetValueProducingAttributes(given) if given else ()
+            shader = pxr.UsdShade.Shader(sources[0].GetPrim()) if sources else None
+            if not shader:
+                return None
+            if reader := reader_of(pxr, shader.GetPrim()):
+                return reader
+        return None

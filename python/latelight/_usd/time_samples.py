@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from .readers import reader_of
+
 UV_PRIMVARS = ("st", "UVMap", "st0")  # usual names of texture coordinates; the first one that a mesh has is read
 
 # Attributes, by the type of their prim, that are read once, at the first time.
 _READ_ONCE = {
     "Gprim": ("radius", "height", "size", "axis", "width", "length", "radiusTop", "radiusBottom", "orientation")
-    + ("faceVertexCounts", "faceVertexIndices", "holeIndices", "primvars:displayColor", "primvars:displayOpacity")
-    + tuple(f"primvars:{name}" for name in UV_PRIMVARS),
+    + ("faceVertexCounts", "faceVertexIndices", "holeIndices"),
     "Camera": ("focalLength", "horizontalAperture", "verticalAperture", "horizontalApertureOffset", "projection")
     + ("verticalApertureOffset", "clippingRange"),
     "Subset": ("indices",),
@@ -30,6 +31,9 @@ class TimeSamples:
         self.animated: dict[Any, bool] = {}
         self.held = stage.GetInterpolationType() == pxr.Usd.InterpolationTypeHeld
         self.unplayed: list[str] = []  # paths of attributes and prims with samples that are read once
+        readers = (reader_of(pxr, prim) for prim in prims)
+        read = {"displayColor", "displayOpacity", *UV_PRIMVARS, *(reader.primvar for reader in readers if reader)}
+        self.primvars = {f"primvars:{name}" for name in read}
         samples = sorted({time for prim in prims for time in self.of_prim(prim)})
         self.exist = len(samples) > 0
         samples = sorted({*samples, *(time for prim in prims for time in self.read_once(prim))})
@@ -102,7 +106,9 @@ class TimeSamples:
         """The times of all other values that change. Their attributes are noted."""
         geom, shade = self.pxr.UsdGeom, self.pxr.UsdShade
         is_shading = prim.IsA(shade.Shader) or prim.IsA(shade.NodeGraph) or prim.HasAPI(self.pxr.UsdLux.LightAPI)
-        names = [name for kind, read in _READ_ONCE.items() if prim.IsA(getattr(geom, kind)) for name in read]
+        names = {name for kind, read in _READ_ONCE.items() if prim.IsA(getattr(geom, kind)) for name in read}
+        if prim.IsA(geom.Gprim) or prim.IsA(geom.PointInstancer):
+            names |= self.primvars
         attributes = [
             attribute
             for attribute in prim.GetAuthoredAttributes()
