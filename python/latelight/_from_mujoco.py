@@ -163,6 +163,14 @@ def _sharp_normals(positions: np.ndarray, normals: np.ndarray) -> np.ndarray:
     return sharp
 
 
+def _decoded(colors: Any) -> np.ndarray:
+    """Decodes colors of MuJoCo, which are values on screen. Those above 1 follow the power 2.2, which the curve of sRGB
+    approximates: MuJoCo multiplies colors on screen, and powers of factors multiply to the power of the product."""
+    values = np.maximum(np.asarray(colors, np.float64), 0)
+    decoded: np.ndarray = np.where(values > 1, values**2.2, linear(np.minimum(values, 1)))
+    return decoded
+
+
 def _cone(cutoff: float, exponent: float) -> dict[str, float]:
     """The cones, in degrees, of a spot light that fades with the cosine's power `exponent` and ends at `cutoff`.
 
@@ -362,8 +370,11 @@ class _Mujoco(Builder):
             values["metallic"] = min(own_metallic, 1.0) if own_metallic >= 0 else 0.0
             smooth = min(max(float(model.mat_shininess[material]), 0.0), 1.0)
             values["roughness"] = min(own_roughness, 1.0) if own_roughness >= 0 else 1 - 0.75 * smooth
+            # The default of MuJoCo, 0.5, is the reflectance of other dielectrics (KHR_materials_specular).
+            specular = 2 * min(max(float(model.mat_specular[material]), 0.0), 1.0)
+            values["specular"], values["specular_color"] = min(specular, 1.0), (max(specular, 1.0),) * 3
             emission = max(float(model.mat_emission[material]), 0.0)
-            values["emissive"] = tuple((emission * shown[:3]).tolist())
+            values["emissive"] = tuple(_decoded(emission * rgba[:3]).tolist())
         name = model.mat(material).name if material >= 0 else ""
         handle = self.scene.add_material(
             Material(name=name or "material", base_color=tuple(shown.tolist()),
@@ -468,9 +479,9 @@ def from_mujoco(model: Any, *, groups: Sequence[int] = (0, 1, 2)) -> MujocoScene
 
     Converted are meshes with texture coordinates, planes, height fields, spheres, capsules, ellipsoids, cylinders,
     boxes, colors, materials, 2D textures of meshes, planes and height fields, lights, and cameras with their projection
-    and intrinsics. Planes that are infinite get a side of 200 times the model's extent. Cube maps, the headlight,
-    image lights, sites, tendons, skins, and flexible bodies are left out. `MujocoScene.worlds()` converts the states of
-    worlds."""
+    and intrinsics. Planes that are infinite get a side of 200 times the model's extent. Cube maps, mirror images of
+    `reflectance`, the headlight, image lights, sites, tendons, skins, and flexible bodies are left out.
+    `MujocoScene.worlds()` converts the states of worlds."""
     try:
         mujoco = importlib.import_module("mujoco")
     except ImportError:

@@ -262,7 +262,37 @@ def test_textures_color_emitted_light():
     assert robot.scene.texture_of(dark, "emissive") is None
     renderer = latelight.Renderer(robot.scene, device="cpu", environment="none")
     frame = renderer.render(robot.cameras[0], (8, 8), "color")
-    np.testing.assert_allclose(frame["color"][4, 4, :3], 0.5 * np.array((1, 0.2140411, 0)), atol=2e-3)
+    np.testing.assert_allclose(frame["color"][4, 4, :3], 0.2140411 * np.array((1, 0.2140411, 0)), atol=1e-3)
+
+
+@pytest.mark.parametrize("emission, gray, shown", [(0.25, 0.8, 0.2), (0.5, 0.8, 0.4), (1, 0.8, 0.8), (2, 0.4, 0.8)])
+def test_emitted_light_is_the_product_of_values_on_screen(emission, gray, shown):
+    """MuJoCo shows `emission` times `rgba`."""
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
+        <material name="m" emission="{emission}" rgba="{gray} {gray} {gray} 1"/></asset>
+        <worldbody><geom type="plane" size="1 1 1" material="m"/><camera pos="0 0 2"/></worldbody></mujoco>"""))
+    renderer = latelight.Renderer(robot.scene, device="cpu", environment="none")
+    frame = renderer.render(robot.cameras[0], (8, 8), "rgba", tonemap="none")
+    np.testing.assert_allclose(frame["rgba"][4, 4, :3] / 255, shown, atol=2 / 255)
+
+
+def test_specular_scales_the_reflectance_of_materials():
+    """The default, 0.5, is the reflectance of other materials. Without any, a surface in the mirror direction of a light
+    has its diffuse color: 0.5 times 0.8 in MuJoCo, and the product of their decoded values here."""
+    materials = "".join(f'<material name="{s}" specular="{s}" shininess="1" rgba="0.5 0.5 0.5 1"/>'
+                        for s in ("0.0", "0.25", "0.5", "1.0"))
+    planes = "".join(f'<geom name="{s}" type="plane" size="1 1 1" pos="{x} 0 0" material="{s}"/>'
+                     for x, s in ((0, "0.0"), (5, "0.25"), (10, "0.5"), (15, "1.0")))
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>{materials}</asset><worldbody>
+        {planes}<light type="directional" dir="0 1 -1" diffuse="0.8 0.8 0.8" castshadow="false"/>
+        <camera pos="0 2 2" xyaxes="-1 0 0 0 -1 1"/></worldbody></mujoco>"""))
+    made = {values.name: (values.specular, *values.specular_color)
+            for values in (robot.scene.material(handle) for handle in robot.scene.materials())}
+    assert made == {"0.0": (0, 1, 1, 1), "0.25": (0.5, 1, 1, 1), "0.5": (1, 1, 1, 1), "1.0": (1, 2, 2, 2)}
+    renderer = latelight.Renderer(robot.scene, device="cpu", environment="none")
+    frame = renderer.render(robot.cameras[0], (65, 65), "color")
+    expected = 0.2140411 * 0.6038274 * np.sqrt(0.5)  # Lambert's cosine
+    np.testing.assert_allclose(frame["color"][32, 32, :3], expected, rtol=5e-3)
 
 
 def test_meshes_without_texture_coordinates_have_sharp_edges():
