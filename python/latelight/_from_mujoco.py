@@ -438,9 +438,10 @@ class _Mujoco(Builder):
         return divisor if divisor > 0 else 1.0
 
     def add_lights(self) -> list[LightHandle]:
-        """Active lights, except image lights and spot lights without a cone. Lights of MuJoCo are no physical
-        quantities, and fade with distance only by `attenuation`: each of these is as bright at the model's center as
-        there, where a white surface that faces it has its diffuse color, divided by the attenuation."""
+        """Active lights, except image lights and spot lights without a cone. Spot lights with a cutoff of 180 degrees
+        are uniform, without an exponent, as in OpenGL. Lights of MuJoCo are no physical quantities, and fade with
+        distance only by `attenuation`: each of these is as bright at the model's center as there, where a white surface
+        that faces it has its diffuse color, divided by the attenuation."""
         model, handles, types = self.model, [], self.mujoco.mjtLightType
         for light in range(model.nlight):
             light_type = int(model.light_type[light])
@@ -448,23 +449,24 @@ class _Mujoco(Builder):
                 continue
             position, direction = self.data.light_xpos[light], self.data.light_xdir[light]
             directional = light_type == types.mjLIGHT_DIRECTIONAL
-            cone = min(float(model.light_cutoff[light]), 90.0)
+            cone = float(model.light_cutoff[light])
             distance = max(float(np.linalg.norm(position - np.asarray(model.stat.center))), 0.1)
-            kind = "directional" if directional else "spot" if light_type == types.mjLIGHT_SPOT and cone < 90 else "point"
+            kind = "directional" if directional else "spot" if light_type == types.mjLIGHT_SPOT and cone <= 90 else "point"
             if kind == "spot" and cone <= 0:
                 continue
             arguments: dict[str, Any] = _cone(cone, float(model.light_exponent[light])) if kind == "spot" else {}
             diffuse = np.asarray(model.light_diffuse[light], np.float64)
             if not directional:
                 diffuse = diffuse / self.attenuation(light, distance)
-            color = linear(np.clip(diffuse, 0, 1))
+            color = _decoded(diffuse)
+            excess = max(float(color.max()), 1.0)  # Colors of lights end at 1.
             handles.append(
                 self.scene.add_light(
                     Light(
-                        name=model.light(light).name or f"light {light}", type=kind, color=tuple(color.tolist()),
+                        name=model.light(light).name or f"light {light}", type=kind, color=tuple((color / excess).tolist()),
                         position=tuple((self.world[:3, :3] @ position).tolist()),
                         direction=tuple((self.world[:3, :3] @ direction).tolist()),
-                        intensity=math.pi * (1 if directional else distance**2),
+                        intensity=math.pi * excess * (1 if directional else distance**2),
                         cast_shadow=bool(model.light_castshadow[light]), **arguments,
                     )
                 )

@@ -336,6 +336,26 @@ def test_a_white_plane_has_the_diffuse_color_of_a_light_above(tmp_path):
     np.testing.assert_allclose(frame["color"][4, 4, :3], 0.2140411, rtol=0.06)  # 0.5 in sRGB
 
 
+@pytest.mark.parametrize(
+    "attributes, factors",  # diffuse color divided by the attenuation
+    [
+        ('diffuse="2 2 2"', (2, 2, 2)), ('diffuse="3 1.5 0.5"', (3, 1.5, 0.5)),
+        ('diffuse="1 1 1" type="spot" exponent="0" attenuation="0.4 0 0"', (2.5, 2.5, 2.5)),
+    ],
+)
+def test_lights_may_be_brighter_than_white(attributes, factors):
+    """On screen, a gray surface of 0.3 has 0.3 times the light's color, if that is at most 1."""
+    kind = "" if "type=" in attributes else 'type="directional"'
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><statistic center="0 0 0"/><asset>
+        <material name="m" rgba="0.3 0.3 0.3 1" specular="0"/></asset><worldbody>
+        <light pos="0 0 3" dir="0 0 -1" {kind} {attributes}/><geom type="plane" size="3 3 .1" material="m"/>
+        <camera pos="0 0 2"/></worldbody></mujoco>"""))
+    assert max(robot.scene.light(robot.lights[0]).color) <= 1
+    renderer = latelight.Renderer(robot.scene, device="cpu", environment="none")
+    frame = renderer.render(robot.cameras[0], (65, 65), "rgba", tonemap="none", shadows="none")
+    np.testing.assert_allclose(frame["rgba"][32, 32, :3] / 255, 0.3 * np.array(factors), atol=0.02)
+
+
 def test_lights_have_the_types_and_shadows_of_mujoco():
     lights = "".join(
         f'<light name="{kind} {shadow}" type="{kind}" castshadow="{shadow}"/>'
@@ -343,12 +363,13 @@ def test_lights_have_the_types_and_shadows_of_mujoco():
     robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
         <texture name="sky" type="cube" builtin="flat" rgb1="1 1 1" width="8" height="8"/></asset>
         <worldbody>{lights}
-        <light name="wide" type="spot" cutoff="120"/><light name="sky" type="image" texture="sky"/></worldbody></mujoco>"""))
+        <light name="wide" type="spot" cutoff="120"/><light name="uniform" type="spot" cutoff="180"/>
+        <light name="half" type="spot" cutoff="90"/><light name="sky" type="image" texture="sky"/></worldbody></mujoco>"""))
     made = [robot.scene.light(light) for light in robot.lights]
     assert {light.name: (light.type, light.cast_shadow) for light in made} == {
         "spot true": ("spot", True), "spot false": ("spot", False), "directional true": ("directional", True),
         "directional false": ("directional", False), "point true": ("point", True), "point false": ("point", False),
-        "wide": ("point", True),
+        "wide": ("point", True), "uniform": ("point", True), "half": ("spot", True),
     }  # fmt: skip
 
 
@@ -368,7 +389,7 @@ def test_lights_fade_like_those_of_mujoco(attenuation, color):
     np.testing.assert_allclose(frame["color"][32, 32, :3], expected, rtol=0.06)
 
 
-@pytest.mark.parametrize("cutoff, exponent", [(60, 10), (45, 10), (80, 2), (30, 50)])
+@pytest.mark.parametrize("cutoff, exponent", [(60, 10), (45, 10), (80, 2), (30, 50), (90, 10), (90, 1)])
 def test_spot_lights_fade_like_those_of_mujoco(cutoff, exponent):
     """On screen, the color halves where the cosine to the power of the exponent is 0.5, and ends within the cutoff."""
     robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><worldbody>
@@ -386,9 +407,11 @@ def test_spot_lights_have_edges_and_may_have_no_cone():
     """Without an exponent, the cone has a sharp edge. A cutoff of 0 lights nothing."""
     robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string("""<mujoco><worldbody>
         <light name="sharp" type="spot" cutoff="40" exponent="0"/><light type="spot" cutoff="0"/>
-        <light type="spot" cutoff="-10"/></worldbody></mujoco>"""))
-    (sharp,) = (robot.scene.light(light) for light in robot.lights)
-    assert sharp.name == "sharp"
+        <light type="spot" cutoff="-10"/><light name="half" type="spot" cutoff="90" exponent="0"/>
+        </worldbody></mujoco>"""))
+    sharp, half = (robot.scene.light(light) for light in robot.lights)
+    assert (sharp.name, half.name) == ("sharp", "half")
+    np.testing.assert_allclose((half.inner_cone, half.outer_cone), (85.5, 90), rtol=1e-5)
     np.testing.assert_allclose((sharp.inner_cone, sharp.outer_cone), (38, 40), rtol=1e-5)
 
 
