@@ -234,17 +234,22 @@ class _Mujoco(Builder):
             self.shapes[key] = self.scene.add_mesh(**made, name=node_name(model.geom(geom).name or shape.name[7:].lower()))
         return self.shapes[key]
 
+    def is_mesh(self, geom: int) -> bool:
+        """Geoms with a signed distance field have a mesh of its surface, which MuJoCo shows."""
+        kind, shape = self.mujoco.mjtGeom, int(self.model.geom_type[geom])
+        return shape in (kind.mjGEOM_MESH, kind.mjGEOM_SDF) and int(self.model.geom_dataid[geom]) >= 0
+
     def is_projected(self, geom: int) -> bool:
         """If a 2D texture of the geom has the coordinates of projected_uv()."""
         kind, shape = self.mujoco.mjtGeom, int(self.model.geom_type[geom])
-        if shape == kind.mjGEOM_MESH:
+        if self.is_mesh(geom):
             return int(self.model.mesh_texcoordadr[self.model.geom_dataid[geom]]) < 0
         return shape in (kind.mjGEOM_PLANE, kind.mjGEOM_HFIELD)
 
     def make_shape(self, geom: int, shape: Any) -> dict[str, Any] | None:
         model, kind = self.model, self.mujoco.mjtGeom
         size = np.asarray(model.geom_size[geom], np.float64)
-        if shape == kind.mjGEOM_MESH:
+        if self.is_mesh(geom):
             return self.mesh(geom)
         if shape == kind.mjGEOM_HFIELD:
             field = int(model.geom_dataid[geom])
@@ -355,10 +360,8 @@ class _Mujoco(Builder):
     def material(self, geom: int) -> MaterialHandle:
         model, material, rgba = self.model, int(self.model.geom_matid[geom]), self.color(geom)
         texture = self.texture_of(geom)
-        mapped = int(model.geom_type[geom]) in (
-            int(self.mujoco.mjtGeom.mjGEOM_MESH), int(self.mujoco.mjtGeom.mjGEOM_PLANE),
-            int(self.mujoco.mjtGeom.mjGEOM_HFIELD))
-        if not mapped:
+        kind = self.mujoco.mjtGeom
+        if not self.is_mesh(geom) and int(model.geom_type[geom]) not in (kind.mjGEOM_PLANE, kind.mjGEOM_HFIELD):
             texture = None
         key = (material, tuple(rgba), texture)
         if key in self.materials:
@@ -408,6 +411,7 @@ class _Mujoco(Builder):
             made.camera_to_world = pose
         if seen.orthographic:
             made.orthographic, made.half_height = True, (seen.frustum_top - seen.frustum_bottom) / 2
+        if 0 < seen.frustum_near < seen.frustum_far:  # MuJoCo accepts other models, too.
             made.near_clip, made.far_clip = seen.frustum_near, seen.frustum_far
         made.name = model.cam(camera).name or f"camera {camera}"
         return made
@@ -459,7 +463,7 @@ class _Mujoco(Builder):
             if not directional:
                 diffuse = diffuse / self.attenuation(light, distance)
             color = _decoded(diffuse)
-            excess = max(float(color.max()), 1.0)  # Colors of lights end at 1.
+            excess = max(float(color.max()), 1.0)  # Colors of lights in glTF are at most 1.
             handles.append(
                 self.scene.add_light(
                     Light(
@@ -479,11 +483,11 @@ def from_mujoco(model: Any, *, groups: Sequence[int] = (0, 1, 2)) -> MujocoScene
 
     groups: the groups of geoms to show; default: those that MuJoCo's viewer shows
 
-    Converted are meshes with texture coordinates, planes, height fields, spheres, capsules, ellipsoids, cylinders,
-    boxes, colors, materials, 2D textures of meshes, planes and height fields, lights, and cameras with their projection
-    and intrinsics. Planes that are infinite get a side of 200 times the model's extent. Cube maps, mirror images of
-    `reflectance`, the headlight, image lights, sites, tendons, skins, and flexible bodies are left out.
-    `MujocoScene.worlds()` converts the states of worlds."""
+    Converted are meshes with texture coordinates, meshes of signed distance fields, planes, height fields, spheres,
+    capsules, ellipsoids, cylinders, boxes, colors, materials, 2D textures of meshes, planes and height fields, lights,
+    and cameras with their projection, intrinsics, near and far planes. Planes that are infinite get a side of 200 times
+    the model's extent. Cube maps, mirror images of `reflectance`, the headlight, image lights, sites, tendons, skins,
+    and flexible bodies are left out. `MujocoScene.worlds()` converts the states of worlds."""
     try:
         mujoco = importlib.import_module("mujoco")
     except ImportError:

@@ -456,6 +456,49 @@ def test_cameras_have_the_projection_of_mujoco(attributes, scale, offset):
         assert (found.min(), found.max() + 1) == (round(low), round(high)), attributes
 
 
+def test_cameras_have_the_near_and_far_planes_of_mujoco():
+    """`znear` and `zfar` are in extents of the model, here 2 m: 1 m and 8 m. Boxes of 0.2 m are left, in the center and
+    right, at 0.5, 4 and 9 m."""
+    boxes = "".join(f'<geom type="box" size=".1 .1 .1" pos="{x} 0 {-z}"/>' for x, z in ((-0.2, 0.5), (0, 4), (3, 9)))
+    fixed = 'pos="0 0 0" xyaxes="1 0 0 0 1 0"'
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><statistic extent="2"/>
+        <visual><map znear="0.5" zfar="4"/></visual><worldbody>{boxes}<camera {fixed} fovy="60"/>
+        <camera {fixed} focal="2 2" sensorsize="2 2" resolution="99 99"/><camera {fixed} {ORTHOGRAPHIC} fovy="7"/>
+        </worldbody></mujoco>"""))
+    assert [(camera.near_clip, camera.far_clip) for camera in robot.cameras] == [(1, 8)] * 3
+    renderer = latelight.Renderer(robot.scene, device="cpu")
+    for camera in robot.cameras:
+        depth = renderer.render(camera, (99, 99), "depth", shadows="none")["depth"]
+        np.testing.assert_allclose(depth[49, 49], 3.9, rtol=1e-4)
+        assert not (np.isfinite(depth) & (np.abs(depth - 3.9) > 0.3)).any(), "only the box between the planes"
+
+
+def test_planes_in_wrong_order_clip_nothing():
+    """MuJoCo compiles such models."""
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string("""<mujoco><visual><map znear="1" zfar=".5"/></visual>
+        <worldbody><geom size="1"/><camera pos="0 0 3"/></worldbody></mujoco>"""))
+    frame = latelight.Renderer(robot.scene, device="cpu").render(robot.cameras[0], (9, 9), "depth", shadows="none")
+    np.testing.assert_allclose(frame["depth"][4, 4], 2, rtol=1e-2)
+
+
+def test_signed_distance_fields_show_their_mesh():
+    """MuJoCo shows the mesh from which it makes the field, with a projected texture."""
+    corners = " ".join(f"{x} {y} {z}" for x in (-2, 2) for y in (-1, 1) for z in (-0.5, 0.5))
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
+        <texture name="t" type="2d" builtin="checker" rgb1="1 1 1" rgb2="0 0 0" width="8" height="8"/>
+        <material name="m" texture="t" texrepeat="2 3"/><mesh name="brick" vertex="{corners}"/></asset>
+        <worldbody><geom type="mesh" mesh="brick" material="m"/>
+        <geom type="sdf" mesh="brick" material="m" pos="9 0 0"/></worldbody></mujoco>"""))
+    assert robot.geoms.tolist() == [0, 1]
+    solid, field = (robot.scene.instance(instance) for instance in robot.instances)
+    expected, arrays = robot.scene.mesh_arrays(solid.mesh), robot.scene.mesh_arrays(field.mesh)
+    for name in ("positions", "normals", "uv", "indices"):
+        np.testing.assert_array_equal(arrays[name], expected[name])
+    assert np.ptp(arrays["uv"], axis=0).min() > 1
+    assert robot.scene.texture_of(field.material, "base_color") is not None
+    np.testing.assert_allclose(robot.scene.bounds[1][0], 11, atol=1e-5)
+
+
 def test_wrong_arguments_are_refused(model, robot, tmp_path):
     with pytest.raises(latelight.UsageError, match="requires a mujoco.MjModel or a file, not int"):
         latelight.from_mujoco(3)
