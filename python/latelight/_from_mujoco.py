@@ -23,14 +23,18 @@ class MujocoScene:
     """A scene made of a MuJoCo model.
 
     `scene` is the Scene, `geoms` the ids of the geoms that it shows, and `instances` their instances, in the same
-    order. `cameras` are the model's cameras and `lights` its lights, at the positions of `qpos0`. The scene has Y up,
-    and MuJoCo Z: `worlds()` converts.
+    order. `cameras` are the model's cameras, and `lights` the lights with the ids `light_ids`, at the positions of
+    `qpos0`. The scene has Y up, and MuJoCo Z: `worlds()` converts.
     """
 
     def __init__(self, scene: Scene, geoms: Sequence[int], instances: Sequence[InstanceHandle],
-                 cameras: Sequence[Camera], lights: Sequence[LightHandle], geom_count: int | None = None) -> None:
+                 cameras: Sequence[Camera], lights: Sequence[LightHandle], geom_count: int | None = None,
+                 light_ids: Sequence[int] = (), moving_lights: Sequence[int] = (),
+                 light_count: int | None = None) -> None:
         self.scene = scene
-        self._geom_count = geom_count  # of the model; None: not known
+        self._geom_count, self._light_count = geom_count, light_count  # of the model; None: not known
+        self._moving_lights = list(moving_lights)  # ids
+        self.light_ids = np.asarray(light_ids, np.int64)
         self.geoms = np.asarray(geoms, np.int64)
         self.instances = list(instances)
         self.cameras = list(cameras)
@@ -38,14 +42,19 @@ class MujocoScene:
 
     def worlds(
         self, data: Any = None, *, geom_xpos: Any = None, geom_xmat: Any = None, cam_xpos: Any = None,
-        cam_xmat: Any = None, camera_ids: Sequence[int] | None = None,
+        cam_xmat: Any = None, light_xpos: Any = None, light_xdir: Any = None, camera_ids: Sequence[int] | None = None,
+        light_ids: Sequence[int] | None = None,
     ) -> dict[str, Any]:
-        """The arguments of render_worlds() that describe worlds: `instances`, `transforms`, and `camera_to_world`.
+        """The arguments of render_worlds() that describe worlds: `instances`, `transforms`, `camera_to_world`, and if
+        lights move, `lights`, `light_position` and `light_direction`.
 
         data: an MjData, or a list with one per world; or
         geom_xpos, geom_xmat, cam_xpos, cam_xmat: arrays (N, ngeom, 3), (N, ngeom, 9) or (N, ngeom, 3, 3), and the same
         of cameras: NumPy's, or those of torch, JAX or CuPy on a GPU, which stay there (MJX, mujoco_warp)
+        light_xpos, light_xdir: likewise arrays (N, nlight, 3)
         camera_ids: the model's cameras that are rendered; default: all of them, if poses of cameras are given
+        light_ids: the model's lights that move; default: those on moving bodies and those that track a body. With []
+        the lights stay at `qpos0`, and the call may have a `lights` of its own
 
         For example: renderer.render_worlds(N, robot.cameras, (64, 64), **robot.worlds(all_data))"""
         if data is not None:
@@ -53,8 +62,13 @@ class MujocoScene:
             geom_xpos, geom_xmat = (_stacked(each, name) for name in ("geom_xpos", "geom_xmat"))
             if len(self.cameras) > 0:
                 cam_xpos, cam_xmat = (_stacked(each, name) for name in ("cam_xpos", "cam_xmat"))
+        moving = self._lights_of(light_ids)
+        if data is not None and moving:
+            light_xpos, light_xdir = (_stacked(each, name) for name in ("light_xpos", "light_xdir"))
         if (geom_xpos is None) != (geom_xmat is None) or (cam_xpos is None) != (cam_xmat is None):
             raise UsageError("positions and matrices require each other: geom_xpos and geom_xmat, cam_xpos and cam_xmat")
+        if (light_xpos is None) != (light_xdir is None):
+            raise UsageError("light_xpos and light_xdir require each other")
         arguments: dict[str, Any] = {}
         if geom_xpos is not None:
             arguments["instances"] = self.instances
@@ -67,7 +81,20 @@ class MujocoScene:
         if cam_xpos is not None:
             arguments["camera_to_world"] = _transforms(
                 cam_xpos, cam_xmat, np.asarray(ids, np.int64), "cam", len(self.cameras), (1, -1, -1))
+        if light_xpos is not None and moving:
+            arguments["lights"] = list(moving.values())
+            arguments["light_position"] = _vectors(light_xpos, "light_xpos", list(moving), self._light_count)
+            arguments["light_direction"] = _vectors(light_xdir, "light_xdir", list(moving), self._light_count)
         return arguments
+
+    def _lights_of(self, ids: Sequence[int] | None) -> dict[int, LightHandle]:
+        """The lights that move, by their ids."""
+        handles = dict(zip(self.light_ids.tolist(), self.lights))
+        chosen = self._moving_lights if ids is None else integers(ids, "light_ids")
+        for light in chosen:
+            if light not in handles:
+                raise UsageError(f"light_ids must be among those of the scene, {list(handles)}, and one is {light}")
+        return {light: handles[light] for light in chosen}
 
 
 def _list_of_data(data: Any) -> list[Any]:
@@ -138,15 +165,31 @@ def _transforms(positions: Any, matrices: Any, ids: np.ndarray, what: str, count
         expected = "all of the model's elements" if count is None else f"all of the model's elements, {count},"
         raise UsageError(f"{what}_xpos must have {expected} and has {elements}")
 
-    def constant(values: Any) -> Any:
-        if xp.__name__ == "torch":
-            return xp.tensor(values, device=positions.device, dtype=positions.dtype)
-        return xp.asarray(values, positions.dtype)
-
     chosen = ids.tolist()
-    placed = xp.concatenate([rows[:, chosen] * constant(flip), positions[:, chosen][..., None]], -1)
+    placed = xp.concatenate([rows[:, chosen] * _constant(flip, positions), positions[:, chosen][..., None]], -1)
     turned = placed[:, :, [0, 2, 1]]  # (x, y, z) becomes (x, z, -y)
-    return turned * constant([[1.0], [1.0], [-1.0]])
+    return turned * _constant([[1.0], [1.0], [-1.0]], positions)
+
+
+def _constant(values: Any, like: Any) -> Any:
+    """An array of the same package, device and type as another one."""
+    xp = _namespace(like)
+    if xp.__name__ == "torch":
+        return xp.tensor(values, device=like.device, dtype=like.dtype)
+    return xp.asarray(values, like.dtype)
+
+
+def _vectors(vectors: Any, name: str, ids: list[int], count: int | None) -> Any:
+    """Positions or directions (N, L, 3) in the scene's frame, of the chosen lights.
+
+    count: number of the model's lights, if it is known"""
+    vectors = _array(vectors, name)
+    if len(vectors.shape) != 3 or vectors.shape[2] != 3:
+        raise UsageError(f"{name} must have the shape (N, nlight, 3), not {tuple(vectors.shape)}")
+    if count is not None and vectors.shape[1] != count or max(ids) >= vectors.shape[1]:
+        raise UsageError(f"{name} must have all of the model's lights, {count}, and has {vectors.shape[1]}")
+    turned = vectors[:, ids][..., [0, 2, 1]]  # (x, y, z) becomes (x, z, -y)
+    return turned * _constant([1.0, 1.0, -1.0], vectors)
 
 
 def _sharp_normals(positions: np.ndarray, normals: np.ndarray) -> np.ndarray:
@@ -216,7 +259,10 @@ class _Mujoco(Builder):
         cameras = [self.camera(camera) for camera in range(model.ncam)]
         for camera in cameras:
             self.scene.add_camera(camera)
-        return MujocoScene(self.scene, geoms, instances, cameras, self.add_lights(), model.ngeom)
+        lights = self.add_lights()
+        moving = [light for light in lights if self.moves(light)]
+        return MujocoScene(self.scene, geoms, instances, cameras, list(lights.values()), model.ngeom,
+                           light_ids=list(lights), moving_lights=moving, light_count=model.nlight)
 
     # --- geometry ---
 
@@ -441,12 +487,20 @@ class _Mujoco(Builder):
         divisor = constant + by_distance * distance + by_square * distance**2
         return divisor if divisor > 0 else 1.0
 
-    def add_lights(self) -> list[LightHandle]:
-        """Active lights, except image lights and spot lights without a cone. Spot lights with a cutoff of 180 degrees
-        are uniform, without an exponent, as in OpenGL. Lights of MuJoCo are no physical quantities, and fade with
-        distance only by `attenuation`: each of these is as bright at the model's center as there, where a white surface
-        that faces it has its diffuse color, divided by the attenuation."""
-        model, handles, types = self.model, [], self.mujoco.mjtLightType
+    def moves(self, light: int) -> bool:
+        """If the light is on a body that moves, or tracks a body. Bodies of motion capture move without joints, and are
+        children of the world."""
+        model, body = self.model, int(self.model.light_bodyid[light])
+        tracks = int(model.light_mode[light]) != int(self.mujoco.mjtCamLight.mjCAMLIGHT_FIXED)
+        return bool(tracks or model.body_weldid[body] != 0 or model.body_mocapid[model.body_rootid[body]] >= 0)
+
+    def add_lights(self) -> dict[int, LightHandle]:
+        """Active lights by their ids, except image lights and spot lights without a cone. Spot lights with a cutoff of
+        180 degrees are uniform, without an exponent, as in OpenGL. Lights of MuJoCo are no physical quantities, and
+        fade with distance only by `attenuation`: each of these is as bright at the model's center as there, where a
+        white surface that faces it has its diffuse color, divided by the attenuation."""
+        model, types = self.model, self.mujoco.mjtLightType
+        handles: dict[int, LightHandle] = {}
         for light in range(model.nlight):
             light_type = int(model.light_type[light])
             if not model.light_active[light] or light_type == types.mjLIGHT_IMAGE:
@@ -464,15 +518,13 @@ class _Mujoco(Builder):
                 diffuse = diffuse / self.attenuation(light, distance)
             color = _decoded(diffuse)
             excess = max(float(color.max()), 1.0)  # Colors of lights in glTF are at most 1.
-            handles.append(
-                self.scene.add_light(
-                    Light(
-                        name=model.light(light).name or f"light {light}", type=kind, color=tuple((color / excess).tolist()),
-                        position=tuple((self.world[:3, :3] @ position).tolist()),
-                        direction=tuple((self.world[:3, :3] @ direction).tolist()),
-                        intensity=math.pi * excess * (1 if directional else distance**2),
-                        cast_shadow=bool(model.light_castshadow[light]), **arguments,
-                    )
+            handles[light] = self.scene.add_light(
+                Light(
+                    name=model.light(light).name or f"light {light}", type=kind, color=tuple((color / excess).tolist()),
+                    position=tuple((self.world[:3, :3] @ position).tolist()),
+                    direction=tuple((self.world[:3, :3] @ direction).tolist()),
+                    intensity=math.pi * excess * (1 if directional else distance**2),
+                    cast_shadow=bool(model.light_castshadow[light]), **arguments,
                 )
             )
         return handles

@@ -108,10 +108,12 @@ def add_pixels(
         cameras = _list_of_cameras(robot.cameras[0] if cameras is None else cameras)
         renderer = renderer or Renderer(robot.scene, device=device)
         camera_ids = _indices(cameras, robot.cameras)
+        # Lights that the caller describes do not follow their bodies.
+        light_ids: list[int] | None = [] if "lights" in options else None
 
         def worlds(envs: Any) -> dict[str, Any]:
             # Environments may replace their data, as in reset().
-            arguments = robot.worlds(_data_of(envs), camera_ids=camera_ids)
+            arguments = robot.worlds(_data_of(envs), camera_ids=camera_ids, light_ids=light_ids)
             if camera_ids is None:
                 arguments.pop("camera_to_world", None)
             return arguments

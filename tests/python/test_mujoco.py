@@ -499,6 +499,97 @@ def test_signed_distance_fields_show_their_mesh():
     np.testing.assert_allclose(robot.scene.bounds[1][0], 11, atol=1e-5)
 
 
+LAMPS = """<mujoco><statistic center="0 0 0"/><worldbody>
+<geom name="floor" type="plane" size="3 3 .1" rgba="1 1 1 1"/>
+<light name="fixed" type="directional" dir="0 0 -1" diffuse="0.1 0.1 0.1" castshadow="false"/>
+<light name="off" active="false"/>
+<body name="cart" pos="0 0 0.5"><joint name="x" type="slide" axis="1 0 0"/><joint name="turn" type="hinge" axis="0 0 1"/>
+  <geom type="sphere" size="0.1" pos="0 0 5"/>
+  <light name="lamp" pos="0 0 1.5" dir="0 0 -1" cutoff="10" castshadow="false"/>
+  <light name="beam" type="directional" dir="1 0 0" diffuse="0 0 0"/></body>
+<light name="follower" type="spot" pos="0 0 4.5" mode="targetbody" target="cart" diffuse="0 0 0"/>
+<body name="hand" mocap="true"><light name="torch" type="point" pos="0 1 0" diffuse="0 0 0"/></body>
+<camera pos="0 0 4" xyaxes="1 0 0 0 1 0" fovy="60"/>
+</worldbody></mujoco>"""
+
+
+def lamp_states(model):
+    states = []
+    for x, turn in ((0, 0), (0.8, np.pi / 2), (-1, np.pi)):
+        states.append(mujoco.MjData(model))
+        states[-1].qpos[:] = x, turn
+        states[-1].mocap_pos[0] = 0, 0, 1 + x
+        mujoco.mj_forward(model, states[-1])
+    return states
+
+
+def test_lights_follow_their_bodies():
+    """Positions are those of the bodies, and directions turn with them, with (x, y, z) as (x, z, -y)."""
+    model = mujoco.MjModel.from_xml_string(LAMPS)
+    robot, states = latelight.from_mujoco(model), lamp_states(model)
+    assert robot.light_ids.tolist() == [0, 2, 3, 4, 5]
+    worlds = robot.worlds(states)
+    assert [robot.scene.light(light).name for light in worlds["lights"]] == ["follower", "lamp", "beam", "torch"]
+    positions = [[(0, 4.5, 0), (x, 2, 0), (0, 1 + x, -1)] for x in (0, 0.8, -1)]
+    np.testing.assert_allclose(worlds["light_position"][:, [0, 1, 3]], positions, atol=1e-6)
+    follower = [np.array((x, -4, 0)) / np.hypot(x, 4) for x in (0, 0.8, -1)]
+    np.testing.assert_allclose(worlds["light_direction"][:, 0], follower, atol=1e-6)
+    np.testing.assert_allclose(worlds["light_direction"][:, 1], [(0, -1, 0)] * 3, atol=1e-6)
+    np.testing.assert_allclose(worlds["light_direction"][:, 2], [(1, 0, 0), (0, 0, -1), (-1, 0, 0)], atol=1e-6)
+
+    renderer = latelight.Renderer(robot.scene, device="cpu", environment="none")
+    frames = renderer.render_worlds(3, robot.cameras, (96, 96), "color", shadows="none", **worlds)
+    focal = 48 / np.tan(np.radians(30))
+    for x, color in zip((0, 0.8, -1), frames["color"][:, 0, :, :, 0]):
+        columns = np.nonzero((color > 0.3).any(axis=0))[0]
+        middle = (columns.min() + columns.max() + 1) / 2
+        assert abs(middle - (48 + x * focal / 4)) < 1.5, "the lamp illuminates the floor below it"
+
+
+def test_arrays_of_lights_are_those_of_states():
+    model = mujoco.MjModel.from_xml_string(LAMPS)
+    robot, states = latelight.from_mujoco(model), lamp_states(model)
+    names = ("geom_xpos", "geom_xmat", "cam_xpos", "cam_xmat", "light_xpos", "light_xdir")
+    arrays = {name: np.stack([getattr(data, name) for data in states]).astype(np.float32) for name in names}
+    expected, made = robot.worlds(states), robot.worlds(**arrays)
+    assert made.keys() == expected.keys() and made["lights"] == expected["lights"]
+    for name in ("transforms", "light_position", "light_direction"):
+        np.testing.assert_allclose(made[name], expected[name], atol=1e-6)
+        assert made[name].dtype == np.float32
+    # Without arrays of lights, and with no lights chosen, the lights are the scene's.
+    for without in (robot.worlds(geom_xpos=arrays["geom_xpos"], geom_xmat=arrays["geom_xmat"]),
+                    robot.worlds(states, light_ids=[]), robot.worlds(**arrays, light_ids=())):
+        assert not {"lights", "light_position", "light_direction"} & without.keys()
+    chosen = robot.worlds(states, light_ids=[5, 0])
+    assert [robot.scene.light(light).name for light in chosen["lights"]] == ["torch", "fixed"]
+    np.testing.assert_allclose(chosen["light_direction"][:, 1], [(0, -1, 0)] * 3, atol=1e-6)
+    wrong = [
+        ({"light_xpos": arrays["light_xpos"]}, "light_xpos and light_xdir require each other"),
+        ({"light_xpos": np.zeros((3, 6)), "light_xdir": np.zeros((3, 6))}, r"must have the shape \(N, nlight, 3\)"),
+        ({"light_xpos": np.zeros((3, 2, 3)), "light_xdir": np.zeros((3, 2, 3))}, "all of the model's lights, 6, and has 2"),
+        ({"data": states, "light_ids": [1]}, r"among those of the scene, \[0, 2, 3, 4, 5\], and one is 1"),
+        ({"data": states, "light_ids": ["lamp"]}, "light_ids must be a list of integers"),
+    ]
+    for arguments, message in wrong:
+        with pytest.raises(latelight.UsageError, match=message):
+            robot.worlds(**arguments)
+
+
+def test_vector_environments_may_describe_lights():
+    """Lights that the caller describes do not follow their bodies."""
+    gymnasium = pytest.importorskip("gymnasium")
+    xml = MODEL.replace('rgba="1 0 0 1"/></body>', 'rgba="1 0 0 1"/><light name="spark" pos="0 0 1"/></body>', 1)
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(xml))
+    assert len(robot.worlds(data_at(mujoco.MjModel.from_xml_string(xml), 0, 1))["lights"]) == 1
+    images = []
+    for options in ({}, {"lights": robot.lights, "light_intensity": np.zeros((2, 3))}):
+        envs = latelight.add_pixels(
+            gymnasium.vector.SyncVectorEnv([falling(gymnasium, xml)] * 2), scene=robot, size=(32, 24), device="cpu",
+            shadows="none", **options)
+        images.append(envs.reset(seed=3)[0]["pixels"])
+    assert images[0].mean() > images[1].mean()
+
+
 def test_wrong_arguments_are_refused(model, robot, tmp_path):
     with pytest.raises(latelight.UsageError, match="requires a mujoco.MjModel or a file, not int"):
         latelight.from_mujoco(3)
