@@ -27,9 +27,18 @@ def has_triangles(geometry: Any) -> bool:
 
 
 class TrimeshBuilder(Builder):
-    def __init__(self, up: str, smooth: bool) -> None:
+    def __init__(self, up: str, smooth: bool | None) -> None:
         super().__init__(up)
         self.smooth = smooth
+
+    def normals(self, mesh: Any) -> np.ndarray | None:
+        """Nothing for flat triangles. Normals of files are in the mesh's cache, as are those that trimesh has computed
+        since; its exporters also write the normals that the cache has. Normals that are not finite become those of the
+        triangles, as do zeros."""
+        known = "vertex_normals" in getattr(mesh, "_cache", ())
+        if not (known if self.smooth is None else self.smooth):
+            return None
+        return np.nan_to_num(np.asarray(mesh.vertex_normals, np.float32), nan=0, posinf=0, neginf=0)
 
     def material(self, source: Any, has_textures: bool) -> MaterialHandle:
         """has_textures: whether the mesh has the texture coordinates that textures require"""
@@ -72,7 +81,7 @@ class TrimeshBuilder(Builder):
             return None
         positions, indices = np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.int64)
         visual, colors, uv = mesh.visual, None, None
-        normals = np.asarray(mesh.vertex_normals, np.float32) if self.smooth else None
+        normals = self.normals(mesh)
         if getattr(visual, "uv", None) is not None and len(visual.uv) == len(positions):
             uv = v_down(visual.uv)
         if visual.kind == "vertex":
@@ -89,11 +98,12 @@ class TrimeshBuilder(Builder):
         return handle, self.material(getattr(visual, "material", None), uv is not None)
 
 
-def from_trimesh(model: Any, *, up: str = "y", smooth: bool = False) -> Scene:
+def from_trimesh(model: Any, *, up: str = "y", smooth: bool | None = None) -> Scene:
     """Converts a trimesh.Trimesh or trimesh.Scene.
 
     up: the axis that points up in the model, "y" or "z"
-    smooth: use the vertex normals that trimesh computes; otherwise triangles are flat
+    smooth: True: use vertex normals, which trimesh computes for meshes without any; False: triangles are flat; default:
+    as the model defines it, by the vertex normals of its file or those that trimesh has computed
 
     PBR and simple materials, textures, and vertex and face colors (sRGB) are converted. A mesh without texture
     coordinates has its material's colors and factors. Paths, point clouds, lights and cameras are left out."""

@@ -187,12 +187,15 @@ def from_urdf(
     configuration: Mapping[str, float] | Sequence[float] | None = None,
     *,
     geometry: str = "visual",
+    smooth: bool | None = None,
     allow_outside: Sequence[str | os.PathLike[str]] = (),
 ) -> Scene:
     """Converts a robot: the path of a URDF file, which yourdfpy loads, or a yourdfpy.URDF.
 
     configuration: positions of its joints (radians, meters), by name or for all of them in order; default: as it is
     geometry: "visual" or "collision"; a robot without any visual geometry shows that of collisions, with a warning
+    smooth: True: use vertex normals, which trimesh computes for meshes without any; False: triangles are flat; default:
+    as the mesh files define it
     allow_outside: folders that the file may refer to, besides its own folder or ROS package
 
     The base link is a root node. Each joint is a node below its parent link, with its origin and motion, each other
@@ -207,7 +210,7 @@ def from_urdf(
     if geometry == "visual" and shown is not urdf.scene:
         warnings.warn("the robot has no visual geometry: its collision geometry is shown", stacklevel=2)
     with reading(robot, "yourdfpy"):
-        return _add_nodes(TrimeshBuilder("z", smooth=False), urdf, shown)
+        return _add_nodes(TrimeshBuilder("z", smooth), urdf, shown)
 
 
 def pose_urdf(

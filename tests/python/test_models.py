@@ -41,6 +41,56 @@ def test_trimesh_scenes_keep_their_nodes():
     assert_bounds(latelight.from_trimesh(source), low, high)
 
 
+OCTAHEDRON = (np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float),
+              [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
+
+
+def has_radial_normals(scene):
+    """Of an octahedron around the origin with smooth normals, in contrast to (1, 1, 1) / sqrt(3) of its faces."""
+    arrays = scene.mesh_arrays(scene.meshes()[0])
+    radial = arrays["positions"] / np.linalg.norm(arrays["positions"], axis=1, keepdims=True)
+    cosines = (radial * arrays["normals"]).sum(axis=1)
+    assert np.allclose(cosines, 1, atol=1e-5) or np.allclose(cosines, 3**-0.5, atol=1e-5)
+    return bool(np.allclose(cosines, 1, atol=1e-5))
+
+
+@pytest.mark.parametrize("ending", ["glb", "obj", "ply"])
+def test_trimesh_normals_are_those_of_files(tmp_path, ending):
+    """Flat normals are the default of files without normals only."""
+    vertices, faces = OCTAHEDRON
+    for name, normals in (("smooth", vertices), ("flat", None)):
+        trimesh.Trimesh(vertices, faces, vertex_normals=normals, process=False).export(tmp_path / f"{name}.{ending}")
+        expected = name == "smooth"
+        for process in (True, False):
+            for smooth in (None, True, False):
+                model = trimesh.load(tmp_path / f"{name}.{ending}", process=process)
+                scene = latelight.from_trimesh(model, smooth=smooth)
+                assert has_radial_normals(scene) == (expected if smooth is None else smooth)
+
+
+def test_trimesh_normals_may_be_damaged():
+    """Zeros and values that are not finite become the normals of the triangles, as in files that Latelight reads."""
+    vertices, faces = TRIANGLE
+    mesh = trimesh.Trimesh(vertices, faces, vertex_normals=[[0, 0, 0], [np.nan, 0, 1], [0, 1, 0]], process=False)
+    scene = latelight.from_trimesh(mesh)
+    np.testing.assert_allclose(scene.mesh_arrays(scene.meshes()[0])["normals"], [[0, 0, 1], [0, 0, 1], [0, 1, 0]])
+
+
+def test_robots_have_the_normals_of_their_meshes(tmp_path):
+    pytest.importorskip("yourdfpy")
+    vertices, faces = OCTAHEDRON
+    trimesh.Trimesh(vertices, faces, vertex_normals=vertices, process=False).export(tmp_path / "smooth.glb")
+    trimesh.Trimesh(vertices, faces, process=False).export(tmp_path / "flat.glb")
+    for name, expected in (("smooth", True), ("flat", False)):
+        path = tmp_path / "robot.urdf"
+        link = f'<link name="base"><visual><geometry><mesh filename="{name}.glb"/></geometry></visual></link>'
+        path.write_text(f'<robot name="robot">{link}</robot>')
+        assert has_radial_normals(latelight.from_urdf(path)) == expected
+        assert has_radial_normals(latelight.Scene(path)) == expected
+        for smooth in (True, False):
+            assert has_radial_normals(latelight.from_urdf(path, smooth=smooth)) == smooth
+
+
 def test_trimesh_colors_are_decoded():
     mesh = trimesh.creation.box((1, 1, 1))
     mesh.visual.face_colors = np.tile([255, 188, 0, 255], (12, 1))
