@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import warnings
 from typing import Any
 
 import numpy as np
@@ -26,10 +28,34 @@ def has_triangles(geometry: Any) -> bool:
     return hasattr(geometry, "faces") and len(geometry.faces) > 0
 
 
+def _meters_per_unit(meshes: list[Any]) -> float:
+    """The length in meters of the unit that the meshes state, or 1 if they state none. Lengths are not converted, with
+    a warning, if trimesh does not know the unit, or if meshes differ, because transforms of nodes state no unit."""
+    units = [getattr(mesh, "units", None) for mesh in meshes]
+    stated = ", ".join(sorted({unit for unit in units if unit}))
+    if not stated:
+        return 1
+    convert = importlib.import_module("trimesh.units").unit_conversion
+    try:
+        lengths = {convert(unit, "meters") if unit else 1.0 for unit in units}
+    except ValueError:
+        warnings.warn(f"trimesh does not know the unit of the model: lengths in {stated} are not converted", stacklevel=3)
+        return 1
+    if len(lengths) > 1:
+        some = " or no unit" if None in units else ""
+        warnings.warn(f"meshes have different units: lengths in {stated}{some} are not converted", stacklevel=3)
+        return 1
+    return float(lengths.pop())
+
+
 class TrimeshBuilder(Builder):
     def __init__(self, up: str, smooth: bool | None) -> None:
         super().__init__(up)
         self.smooth = smooth
+
+    def scale(self, factor: float) -> None:
+        """Scales all instances that are added afterward."""
+        self.world = self.world @ np.diag([factor, factor, factor, 1])
 
     def normals(self, mesh: Any) -> np.ndarray | None:
         """Nothing for flat triangles. Normals of files are in the mesh's cache, as are those that trimesh has computed
@@ -105,15 +131,18 @@ def from_trimesh(model: Any, *, up: str = "y", smooth: bool | None = None) -> Sc
     smooth: True: use vertex normals, which trimesh computes for meshes without any; False: triangles are flat; default:
     as the model defines it, by the vertex normals of its file or those that trimesh has computed
 
-    PBR and simple materials, textures, and vertex and face colors (sRGB) are converted. A mesh without texture
+    Lengths become meters if the meshes state their unit, as those of 3MF, COLLADA and glTF files do; others are read as
+    meters. PBR and simple materials, textures, and vertex and face colors (sRGB) are converted. A mesh without texture
     coordinates has its material's colors and factors. Paths, point clouds, lights and cameras are left out."""
     builder = TrimeshBuilder(up, smooth)
     if hasattr(model, "faces"):
+        builder.scale(_meters_per_unit([model]))
         if made := builder.geometry(model, "mesh"):
             builder.add_instance(*made, np.eye(4), "mesh")
         return builder.scene
     if not hasattr(model, "geometry") or not hasattr(model, "graph"):
         raise UsageError(f"from_trimesh requires a trimesh.Trimesh or trimesh.Scene, not {type(model).__name__}")
+    builder.scale(_meters_per_unit([mesh for mesh in model.geometry.values() if has_triangles(mesh)]))
     made_by_name = {name: builder.geometry(mesh, name) for name, mesh in model.geometry.items()}
     for node in model.graph.nodes_geometry:
         transform, geometry = model.graph[node]

@@ -5,6 +5,7 @@ import pathlib
 import re
 import sys
 import warnings
+import zipfile
 
 import numpy as np
 import pytest
@@ -39,6 +40,52 @@ def test_trimesh_scenes_keep_their_nodes():
     (low, high) = source.bounds
     assert_bounds(scene, (low[0], low[2], -high[1]), (high[0], high[2], -low[1]))  # Z up becomes Y up
     assert_bounds(latelight.from_trimesh(source), low, high)
+
+
+@pytest.mark.parametrize("unit, meters", [("mm", 1e-3), ("inch", 0.0254), ("0.01 * meters", 0.01), ("m", 1), (None, 1)])
+def test_trimesh_units_become_meters(unit, meters):
+    """Also the distances between nodes. Meshes without a unit are in meters."""
+    source, transform = trimesh.Scene(), np.eye(4)
+    transform[:3, 3] = (10, 0, 0)
+    crate = trimesh.creation.box((1, 2, 4))
+    if unit:
+        crate.units = unit
+    source.add_geometry(crate, node_name="near")
+    source.graph.update("far", matrix=transform, geometry="geometry_0")
+    for up, (x, y, z) in (("y", (1, 2, 4)), ("z", (1, 4, 2))):
+        half = np.array((x, y, z)) * meters / 2
+        assert_bounds(latelight.from_trimesh(crate, up=up), -half, half)
+        assert_bounds(latelight.from_trimesh(source, up=up), -half, half + (10 * meters, 0, 0))
+
+
+def test_trimesh_reads_units_of_3mf(tmp_path):
+    """3MF Core Specification 1.3, 3.4: the default unit is the millimeter."""
+    pytest.importorskip("lxml", reason="trimesh requires lxml for 3MF files")
+    corners = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in ((0, 0, 0), (100, 0, 0), (0, 200, 0), (0, 0, 300)))
+    faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)))
+    for unit, meters in (("", 1e-3), ('unit="centimeter"', 1e-2)):
+        with zipfile.ZipFile(tmp_path / "part.3mf", "w") as archive:
+            archive.writestr("3D/3dmodel.model", f'''<?xml version="1.0"?><model {unit}
+                xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources><object id="1" type="model">
+                <mesh><vertices>{corners}</vertices><triangles>{faces}</triangles></mesh></object></resources>
+                <build><item objectid="1"/></build></model>''')
+        scene = latelight.from_trimesh(trimesh.load(tmp_path / "part.3mf"), up="z")
+        assert_bounds(scene, (0, 0, -200 * meters), (100 * meters, 300 * meters, 0))
+
+
+def test_trimesh_warns_of_units_that_it_cannot_convert():
+    crates = {name: trimesh.creation.box((2, 2, 2)) for name in ("a", "b")}
+    crates["a"].units = "furlong"
+    with pytest.warns(UserWarning, match="does not know the unit of the model: lengths in furlong are not converted"):
+        assert_bounds(latelight.from_trimesh(crates["a"]), (-1, -1, -1), (1, 1, 1))
+    crates["a"].units = "mm"
+    with pytest.warns(UserWarning, match="different units: lengths in mm or no unit are not converted"):
+        assert_bounds(latelight.from_trimesh(trimesh.Scene(crates)), (-1, -1, -1), (1, 1, 1))
+    crates["b"].units = "inch"
+    with pytest.warns(UserWarning, match="different units: lengths in inch, mm are not converted"):
+        assert_bounds(latelight.from_trimesh(trimesh.Scene(crates)), (-1, -1, -1), (1, 1, 1))
+    crates["b"].units = "millimeters"
+    assert_bounds(latelight.from_trimesh(trimesh.Scene(crates)), (-1e-3,) * 3, (1e-3,) * 3)
 
 
 OCTAHEDRON = (np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float),
