@@ -23,6 +23,17 @@ def _factor(value: Any, size: int, otherwise: float = 1) -> tuple[float, ...]:
     return tuple(np.concatenate([array, np.ones(size)])[:size].tolist())
 
 
+def _colors_of_gltf(visual: Any, count: int) -> np.ndarray | None:
+    """The vertex colors that trimesh reads from glTF files for meshes with a material, which multiply it. They are
+    linear, and integers are normalized."""
+    colors = getattr(visual, "vertex_attributes", {}).get("color")
+    if visual.kind != "texture" or colors is None or len(colors) != count:
+        return None
+    colors = np.asarray(colors)
+    scale = np.iinfo(colors.dtype).max if np.issubdtype(colors.dtype, np.integer) else 1
+    return np.clip(colors / np.float32(scale), 0, 1).astype(np.float32)
+
+
 def has_triangles(geometry: Any) -> bool:
     """Paths and point clouds have none."""
     return hasattr(geometry, "faces") and len(geometry.faces) > 0
@@ -80,10 +91,12 @@ class TrimeshBuilder(Builder):
         pbr = source if hasattr(source, "baseColorFactor") else source.to_pbr()
         # Materials of glTF have its defaults. Simple materials are not metals, but their conversion omits the factor.
         is_gltf = pbr is source or any(pbr is each for each in getattr(source, "materials", ()))
-        mode = (pbr.alphaMode or "OPAQUE").lower()
+        base_color = _factor(pbr.baseColorFactor, 4)
+        # Simple materials have no alpha mode: their opacity is the alpha of the diffuse color.
+        mode = (pbr.alphaMode or ("BLEND" if not is_gltf and base_color[3] < 1 else "OPAQUE")).lower()
         values = Material(
             name=str(getattr(source, "name", None) or "material"),
-            base_color=_factor(pbr.baseColorFactor, 4),
+            base_color=base_color,
             metallic=_factor(pbr.metallicFactor, 1, 1 if is_gltf else 0)[0],
             roughness=_factor(pbr.roughnessFactor, 1)[0],
             emissive=_factor(pbr.emissiveFactor, 3, 0),
@@ -106,7 +119,8 @@ class TrimeshBuilder(Builder):
         if not has_triangles(mesh):
             return None
         positions, indices = np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.int64)
-        visual, colors, uv = mesh.visual, None, None
+        visual, uv = mesh.visual, None
+        colors = _colors_of_gltf(visual, len(positions))
         normals = self.normals(mesh)
         if getattr(visual, "uv", None) is not None and len(visual.uv) == len(positions):
             uv = v_down(visual.uv)
@@ -119,7 +133,7 @@ class TrimeshBuilder(Builder):
         handle = self.scene.add_mesh(
             positions, indices=indices, normals=normals, uv=uv, colors=colors, name=node_name(name)
         )
-        if colors is not None:
+        if colors is not None and visual.kind in ("vertex", "face"):
             return handle, self.white(bool((colors[:, 3] < 1).any()))
         return handle, self.material(getattr(visual, "material", None), uv is not None)
 
@@ -133,7 +147,8 @@ def from_trimesh(model: Any, *, up: str = "y", smooth: bool | None = None) -> Sc
 
     Lengths become meters if the meshes state their unit, as those of 3MF, COLLADA and glTF files do; others are read as
     meters. PBR and simple materials, textures, and vertex and face colors (sRGB) are converted. A mesh without texture
-    coordinates has its material's colors and factors. Paths, point clouds, lights and cameras are left out."""
+    coordinates has its material's colors and factors. Vertex colors that glTF files have in addition to a material
+    (linear) multiply it. Paths, point clouds, lights and cameras are left out."""
     builder = TrimeshBuilder(up, smooth)
     if hasattr(model, "faces"):
         builder.scale(_meters_per_unit([model]))

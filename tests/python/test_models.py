@@ -147,6 +147,47 @@ def test_trimesh_colors_are_decoded():
     assert scene.material(scene.materials()[0]).base_color == (1, 1, 1, 1)
 
 
+@pytest.mark.parametrize("kind, scale", [(np.float32, 1), (np.uint8, 255), (np.uint16, 65535)])
+@pytest.mark.parametrize("has_uv", [True, False])
+def test_trimesh_colors_of_gltf_multiply_the_material(tmp_path, kind, scale, has_uv):
+    """glTF 2.0, 3.9.2: COLOR_0 is linear, and a factor of the base color. Integers are normalized."""
+    colors = (np.array([[1, 0, 0, 1], [0, 1, 0.2, 1], [0.4, 0, 1, 0.6]]) * scale).astype(kind)
+    arrays = [np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), colors, np.float32([[0, 0], [1, 0], [0, 1]])]
+    offsets = np.cumsum([0] + [array.nbytes for array in arrays])
+    attributes = {"POSITION": 0, "COLOR_0": 1, **({"TEXCOORD_0": 2} if has_uv else {})}
+    types = {np.float32: 5126, np.uint8: 5121, np.uint16: 5123}
+    accessors = [{"bufferView": i, "componentType": types[array.dtype.type], "count": 3, "type": f"VEC{array.shape[1]}",
+                  "normalized": array.dtype != np.float32} for i, array in enumerate(arrays)]
+    accessors[0] |= {"min": [0, 0, 0], "max": [1, 1, 0]}
+    (tmp_path / "paint.bin").write_bytes(b"".join(array.tobytes() for array in arrays))
+    (tmp_path / "paint.gltf").write_text(json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.2, 1, 1, 1], "metallicFactor": 0.25}}],
+        "meshes": [{"primitives": [{"attributes": attributes, "material": 0}]}], "accessors": accessors,
+        "bufferViews": [{"buffer": 0, "byteOffset": int(start), "byteLength": array.nbytes}
+                        for start, array in zip(offsets, arrays)],
+        "buffers": [{"uri": "paint.bin", "byteLength": int(offsets[-1])}]}))
+    for scene in (latelight.from_trimesh(trimesh.load(tmp_path / "paint.gltf")), latelight.Scene(tmp_path / "paint.gltf")):
+        made = scene.mesh_arrays(scene.meshes()[0])
+        np.testing.assert_allclose(made["colors"], colors / scale, atol=1 / 255)
+        _, material = only_material(scene)
+        np.testing.assert_allclose((material.metallic, *material.base_color), (0.25, 0.2, 1, 1, 1), atol=1e-6)
+
+
+def test_trimesh_opacity_of_simple_materials_is_blended():
+    kinds = trimesh.visual.material
+    square = trimesh.Trimesh(*TRIANGLE, process=False)
+    for alpha, source, mode in (
+        (100, kinds.SimpleMaterial(diffuse=[128, 64, 32, 100]), "blend"),
+        (255, kinds.SimpleMaterial(diffuse=[128, 64, 32, 255]), "opaque"),
+        (100, kinds.PBRMaterial(baseColorFactor=[128, 64, 32, 100]), "opaque"),  # glTF's default
+    ):
+        square.visual = trimesh.visual.TextureVisuals(uv=[[0, 0], [1, 0], [1, 1]], material=source)
+        _, made = only_material(latelight.from_trimesh(square))
+        assert made.alpha_mode == mode
+        np.testing.assert_allclose(made.base_color[3], alpha / 255, rtol=1e-5)
+
+
 def test_trimesh_materials_have_their_textures():
     image = pytest.importorskip("PIL.Image").fromarray(np.full((2, 4, 3), 200, np.uint8))
     material = trimesh.visual.material.PBRMaterial(
