@@ -132,6 +132,21 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
   EXPECT_THAT(wrongIn("job.txt", ""), HasSubstr("does not end in a language"));
 }
 
+// Names of files end at a NUL, so frames whose names differ after it would replace each other. Elements of scenes may
+// have such names.
+TEST(Job, NamesOfFilesHaveNoNul) {
+  const auto wrong = [](const std::string& keys) {
+    return wrongIn("job.json", R"({"scenes": "builtin:boxes", )" + keys);
+  };
+  EXPECT_EQ(
+      wrong(R"("output": "set", "name": "a\u0000{index}"})"),
+      R"(job.json:1: name has a NUL character, which names of files cannot have, in "a\u0000{index}": remove it)");
+  EXPECT_THAT(wrong(R"("output": "set\u0000"})"), HasSubstr("job.json:1: output has a NUL character"));
+  EXPECT_THAT(wrong(R"("output": "set", "formats": ["boxes", {"format": "files", "pattern": "a\u0000{name}.png"}]})"),
+              HasSubstr("job.json:1: formats[1].pattern has a NUL character"));
+  EXPECT_EQ(wrong(R"("output": "set", "cameras": {"type": "scene", "names": ["a\u0000b"]}})"), "");
+}
+
 // A document end without a further document, or followed by empty ones, is accepted as a single document.
 // yaml-cpp reads each of these as empty documents without end.
 TEST(Job, TextsThatBeginNoValueAreNotYaml) {

@@ -144,6 +144,20 @@ void checkValue(const JobDocument& job, const std::string& path, const Json& sch
   if (value.is_object() && schema.contains("properties")) checkKeys(job, path, schema, value);
 }
 
+// Rejects texts with a NUL character. The system ends the names of files there, so that names that differ only after it
+// would be the same file. Cameras and variations are excluded, because they also contain names of elements of scenes.
+void rejectNul(const JobDocument& job, const std::string& path, const Json& value) {
+  if (value.is_string() && value.get_ref<const std::string&>().find('\0') != std::string::npos)
+    badUsage("{} has a NUL character, which names of files cannot have, in {}: remove it", job.place(path),
+             dumped(value));
+  if (value.is_array())
+    for (size_t i = 0; i < value.size(); ++i) rejectNul(job, fmt::format("{}[{}]", path, i), value[i]);
+  if (!value.is_object()) return;
+  for (const auto& [key, inner] : value.items())
+    if (!path.empty() || (key != "cameras" && key != "variations"))
+      rejectNul(job, path.empty() ? key : path + "." + key, inner);
+}
+
 }  // namespace
 
 const Json& jobSchema() {
@@ -162,6 +176,7 @@ const Json& jobSchema() {
 void checkJob(const JobDocument& job) {
   if (!job.json.is_object()) badUsage("{}: a job is an object of keys and values", job.place(""));
   checkKeys(job, "", jobSchema(), job.json);
+  rejectNul(job, "", job.json);
 }
 
 }  // namespace latelight::data
