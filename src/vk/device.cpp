@@ -17,6 +17,7 @@
 #include "vk/instance.h"
 #include "vk/memory.h"
 #include "vk/object_cache.h"
+#include "vk/system_limits.h"
 
 namespace latelight::vk {
 
@@ -280,6 +281,8 @@ Device::Device(const DeviceOptions& options) : validation_(validationWanted(opti
   for (VkPhysicalDevice device : all) list.push_back(describe(device, static_cast<uint32_t>(list.size())));
   info_ = chooseDevice(list, options.selector).device;
   physical_ = all[info_.index];
+  if (info_.type == "cpu")
+    if (const auto limit = limitOnCpuThreads()) fail(limit->code, "{}: {}.", limit->sentence, limit->remedy);
   VkPhysicalDeviceMaintenance3Properties memory{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
   VkPhysicalDeviceVulkan12Properties indexing{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES, &memory};
   VkPhysicalDeviceMaintenance4Properties limits{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES, &indexing};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include "vk/added_drivers.h"
 #include "vk/drivers.h"
 #include "vk/loader.h"
+#include "vk/system_limits.h"
 
 namespace latelight::vk {
 
@@ -127,6 +129,12 @@ Finding examineChoice(const std::vector<DeviceInfo>& devices) {
           kInstallDriver};
 }
 
+Finding findingOf(const SystemLimit& limit) {
+  std::string remedy = limit.remedy + ".";
+  remedy[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(remedy[0])));
+  return {false, limit.sentence + ".", remedy};
+}
+
 void examineLoaded(Diagnosis& diagnosis) {
   try {
     diagnosis.devices = listDevices();
@@ -137,8 +145,18 @@ void examineLoaded(Diagnosis& diagnosis) {
         {false, sentence.substr(0, sentence.find(": run `latelight doctor`")) + ".", kInstallDriver});
     return;
   }
-  diagnosis.usable = std::any_of(diagnosis.devices.begin(), diagnosis.devices.end(), isUsable);
+  const auto hasUsable = [&](bool cpu) {
+    return std::ranges::any_of(diagnosis.devices, [cpu](const DeviceInfo& device) {
+      return isUsable(device) && (device.type == "cpu") == cpu;
+    });
+  };
+  diagnosis.usable = hasUsable(false);
   for (Finding& finding : examineDevices(diagnosis.devices)) diagnosis.findings.push_back(std::move(finding));
+  if (!hasUsable(true)) return;
+  if (const auto limit = limitOnCpuThreads())
+    diagnosis.findings.push_back(findingOf(*limit));
+  else
+    diagnosis.usable = true;
 }
 
 }  // namespace
@@ -157,6 +175,11 @@ std::vector<Finding> examineDevices(const std::vector<DeviceInfo>& devices) {
 
 Diagnosis diagnose() {
   Diagnosis diagnosis;
+  // Under these limits, the loader and the drivers would seem to be missing or broken.
+  if (const auto limit = limitOnDrivers()) {
+    diagnosis.findings.push_back(findingOf(*limit));
+    return diagnosis;
+  }
   const Finding loader = examineLoader();
   diagnosis.findings.push_back(loader);
   examineDrivers(diagnosis.findings);

@@ -3,8 +3,8 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "vk/loader.h"
+#include "vk/system_limits.h"
 
 namespace latelight::vk {
 
@@ -28,12 +28,7 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 }  // namespace
 
 Instance::Instance(bool validation) {
-  // Drivers that run out of address space abort, crash, or are not found.
-  constexpr uint64_t kDriver = uint64_t{512} << 20;
-  if (const uint64_t left = addressesLeft(); left < kDriver)
-    fail(ExitCode::OutOfMemory,
-         "A Vulkan driver requires {} MiB of address space, but {} MiB are left: raise `ulimit -v`.", kDriver >> 20,
-         left >> 20);
+  if (const auto limit = limitOnDrivers()) fail(limit->code, "{}: {}.", limit->sentence, limit->remedy);
   const Loader loader = loadVulkan();
   if (!loader.found())
     fail(ExitCode::NoDevice, "There is no Vulkan loader ({}): install libvulkan1, and run `latelight doctor`.",

@@ -1,6 +1,7 @@
 // Hostile environments: outputs that overwrite inputs, pipes, links and full disks, streams that cannot be written,
 // termination by signals, and names and arguments that are not valid text.
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <spawn.h>
@@ -238,6 +239,51 @@ TEST_F(Places, SignalsLeaveWholeFilesOnly) {
     EXPECT_EQ(endedBy(signal, frames, 7919), signal);
     EXPECT_FALSE(frames.names().empty());
     for (const std::string& name : frames.names()) EXPECT_FALSE(name.starts_with('.')) << name;
+  }
+}
+
+// --- limits of the system -------------------------------------------------------------------------------------------
+
+// Mesa waits forever for threads that it could not start. Root is exempt from the limit, so as root, the test runs the
+// program as a user without other processes. The limits are below and above the numbers of threads that are chosen.
+TEST_F(Places, TooFewThreadsForTheCpuDeviceAreASentence) {
+  const bool isRoot = geteuid() == 0;
+  if (isRoot) chmod(folder.path().c_str(), 0777);
+  const auto limited = [&](int processes, const std::string& arguments) {
+    const std::string run = fmt::format("ulimit -u {}; exec '{}' {}", processes, LATELIGHT_PROGRAM, arguments);
+    std::vector<std::string> shell{"/bin/bash", "-c", run};
+    if (isRoot) shell.insert(shell.begin(), {"/usr/bin/setpriv", "--reuid=54321", "--regid=54321", "--clear-groups"});
+    return runProcess(shell[0], {.arguments = {shell.begin() + 1, shell.end()},
+                                 .environment = {{"LP_NUM_THREADS", "2"},
+                                                 {"LATELIGHT_THREADS", "2"},
+                                                 {"XDG_CACHE_HOME", folder.path().string()}},
+                                 .folder = folder.path(),
+                                 .timeout = std::chrono::minutes(5)});
+  };
+  const std::string render = "render builtin:boxes --size 32x18 --device cpu -o a.png";
+  if (isRoot && (!fs::exists("/usr/bin/setpriv") || limited(200, "--version").code != 0))
+    GTEST_SKIP() << "The program cannot run as another user.";
+  for (const int processes : isRoot ? std::vector{1, 3, 5, 6, 7} : std::vector{1}) {
+    SCOPED_TRACE(processes);
+    expectRefused(limited(processes, render), "raise `ulimit -u`", kNoDevice);
+    const Outcome doctor = limited(processes, "doctor");
+    EXPECT_EQ(doctor.code, kNoDevice) << doctor.text();
+    EXPECT_THAT(doctor.out, AllOf(HasSubstr("problem The CPU device requires"), HasSubstr("        Raise `ulimit -u`"),
+                                  HasSubstr("cannot render on this machine yet")));
+  }
+  EXPECT_FALSE(fs::exists(folder.path() / "a.png"));
+  if (!isRoot) return;
+  const Outcome outcome = limited(200, render);
+  EXPECT_EQ(outcome.code, 0) << outcome.text();
+}
+
+TEST_F(Places, TooFewOpenFilesAreASentence) {
+  for (const int files : {5, 8}) {
+    expectRefused(shell(fmt::format("ulimit -n {}; exec \"$0\" render builtin:boxes --device cpu -o a.png", files)),
+                  "raise `ulimit -n`", kNoDevice);
+    const Outcome doctor = shell(fmt::format("ulimit -n {}; exec \"$0\" doctor", files));
+    EXPECT_EQ(doctor.code, kNoDevice) << doctor.text();
+    EXPECT_THAT(doctor.out, AllOf(HasSubstr("        Raise `ulimit -n`"), Not(HasSubstr("apt-get"))));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 #include "base/error.h"
@@ -32,22 +33,27 @@ AtOnce atOnce(const Job& job, const BatchOptions& options) {
   return most;
 }
 
-// Calls body(i) for each i below `count` on its own thread. After all threads have ended, throws the first exception of
-// a thread, such as an error of a device that cannot be used.
+// Calls body(i) for each i below `count` on its own thread, or on as many threads as this process may start. After all
+// threads have ended, throws the first exception of a thread, such as an error of a device that cannot be used.
 void onThreads(size_t count, const std::function<void(size_t i)>& body) {
   std::exception_ptr first;
   std::mutex mutex;
   std::vector<std::thread> threads;
-  for (size_t i = 0; i < count; ++i)
-    threads.emplace_back([&, i] {
-      const SignalStack stack;
-      try {
-        body(i);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        if (!first) first = std::current_exception();
-      }
-    });
+  try {
+    for (size_t i = 0; i < count; ++i)
+      threads.emplace_back([&, i] {
+        const SignalStack stack;
+        try {
+          body(i);
+        } catch (...) {
+          const std::lock_guard lock(mutex);
+          if (!first) first = std::current_exception();
+        }
+      });
+  } catch (const std::system_error&) {
+    if (threads.empty())
+      fail(ExitCode::NoDevice, "this process may not start a thread that renders: raise `ulimit -u`");
+  }
   for (std::thread& thread : threads) thread.join();
   if (first) std::rethrow_exception(first);
 }

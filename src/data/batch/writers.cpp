@@ -1,5 +1,7 @@
 #include "data/batch/writers.h"
 
+#include <system_error>
+
 #include "base/error.h"
 #include "base/fatal_signals.h"
 #include "base/parallel.h"
@@ -24,11 +26,16 @@ uint64_t bytesOf(const RenderedFrame& frame) {
 
 Writers::Writers(const Job& job, ShardLog& log, Progress& progress, size_t threads, uint64_t waiting)
     : job_(job), log_(log), progress_(progress), most_(waiting) {
-  for (size_t i = 0; i < threads; ++i) {
-    threads_.emplace_back([this] {
-      const SignalStack stack;
-      work();
-    });
+  try {
+    for (size_t i = 0; i < threads; ++i)
+      threads_.emplace_back([this] {
+        const SignalStack stack;
+        work();
+      });
+  } catch (const std::system_error&) {
+    // The number of threads is limited. Those that started write all files.
+    if (threads_.empty())
+      fail(ExitCode::NoDevice, "this process may not start threads that write files: raise `ulimit -u`");
   }
 }
 
