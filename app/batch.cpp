@@ -122,6 +122,7 @@ data::Job readJob(const BatchArguments& a) {
 
 void printPlan(const data::Job& job, const BatchArguments& a, const data::Shard& shard) {
   const data::SetFolder set(job.folder);
+  data::checkSet(set, job, shard, a.resume);
   const data::Plan plan(job, set.plan());
   const data::Manifest finished = a.resume ? data::findFinished(set, plan, shard) : data::Manifest{};
   const auto [first, end] = shard.range(plan.frames());

@@ -202,6 +202,28 @@ TEST(BatchCommand, ErrorsInCamerasAndVariationsNameTheLine) {
               HasSubstr("latelight: formats[0]: there is no format"));
 }
 
+// A dry run fails if the run would fail.
+TEST(BatchCommand, DryRunsCheckTheFolder) {
+  const Folder folder;
+  folder.write("file", std::string_view(""));
+  std::filesystem::create_directories(folder.path() / "foreign");
+  folder.write("foreign/mine", std::string_view("mine"));
+  const std::pair<std::string, std::string> sets[] = {{"file", "'file' is not an empty folder"},
+                                                      {"foreign", "'foreign' is not an empty folder"},
+                                                      {"a{b}", "has a brace in its name"}};
+  for (const bool isDry : {true, false})
+    for (const auto& [set, sentence] : sets) {
+      std::vector<std::string> job{"--scenes", "builtin:boxes", "-o", set};
+      if (isDry) job.emplace_back("--dry-run");
+      const Outcome outcome = latelight(batch(folder, job));
+      EXPECT_EQ(outcome.code, 2) << outcome.text();
+      EXPECT_THAT(outcome.err, HasSubstr(sentence));
+    }
+  ASSERT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", "set"})).code, 0);
+  EXPECT_THAT(latelight(dryRun(folder, {})).err, HasSubstr("'set' already contains a data set"));
+  EXPECT_EQ(frames(latelight(dryRun(folder, {"--resume"}))), "0");
+}
+
 // The numbers of a job are repeated as written.
 TEST(BatchCommand, LargeNumbersAreRepeatedAsTheyAre) {
   const Folder folder;

@@ -436,9 +436,9 @@ TEST(FormatsOfABatch, CamerasAreCheckedBeforeTheyAreRendered) {
   const auto plan = [&](const std::string& format, const std::string& cameras, std::vector<std::string> more = {}) {
     more.insert(more.end(), {"--scenes", "builtin:boxes", "-o", "set", "--formats", format, "--cameras", cameras});
     const size_t before = filesOf(folder, "set").size();
-    const Outcome outcome = latelight(batch(folder, more));
-    more.emplace_back("--dry-run");
-    const Outcome dry = latelight(batch(folder, more));
+    std::vector<std::string> checked = more;
+    checked.emplace_back("--dry-run");
+    const Outcome dry = latelight(batch(folder, checked)), outcome = latelight(batch(folder, more));
     EXPECT_EQ(outcome.code, dry.code) << format << outcome.text() << dry.text();
     EXPECT_EQ(outcome.err, dry.err) << format;
     EXPECT_TRUE(outcome.code == 0 || filesOf(folder, "set").size() == before) << format;

@@ -243,17 +243,23 @@ SetLock::~SetLock() {
   close(fd_);
 }
 
-bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume) {
+void checkSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume) {
   const std::string name = set.path().string();
   if (name.find_first_of("{}") != std::string::npos) badUsage("the folder \"{}\" has a brace in its name", name);
   std::error_code error;
   // The order of these tests matters, because another shard may create the set between them.
-  const bool hasFiles = fs::exists(set.path(), error) && !fs::is_empty(set.path(), error);
+  const bool isFile = fs::exists(set.path(), error) && !fs::is_directory(set.path(), error);
+  const bool hasFiles = isFile || (fs::exists(set.path(), error) && !fs::is_empty(set.path(), error));
   const bool isSet = fs::exists(set.state(), error) || fs::exists(set.manifest(), error);
   if (hasFiles && !isSet) badUsage("'{}' is not an empty folder; choose another for the data set", name);
   if (isSet && !resume && !isOfOthers(set, job, shard))
     badUsage("'{}' already contains a data set: add --resume to complete it, or choose another folder", name);
   if (resume) requireOwnFiles(set);
+}
+
+bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume) {
+  checkSet(set, job, shard, resume);
+  std::error_code error;
   const bool isNew = fs::create_directories(set.state(), error);
   if (error) badUsage("can't create the folder '{}': {}", set.state().string(), error.message());
   const std::string text = dumped(job.document) + "\n";

@@ -52,9 +52,12 @@ class SetLock {
   int fd_ = -1;
 };
 
-// Creates the folder and writes the job's document. Throws Error(Usage) if the folder contains files of anything but a
-// data set. Without `resume`, also throws if it contains a data set, unless only other shards of this job have written
-// to it; with `resume`, if the set has a link that leads out of its folder. Returns true if it created the set.
+// Throws Error(Usage) if the set is a file, or if its folder contains files of anything but a data set. Without
+// `resume`, also throws if it contains a data set, unless only other shards of this job have written to it; with
+// `resume`, if the set has a link that leads out of its folder.
+void checkSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume);
+
+// Creates the folder after checkSet(), and writes the job's document. Returns true if it created the set.
 bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume);
 
 // Removes a set that openSet() created and that holds nothing but the job and the lock of this shard, which the caller
