@@ -106,8 +106,14 @@ WriteTarget findTarget(const fs::path& path) {
   if (access(path.c_str(), W_OK) != 0 && errno == EROFS)
     badUsage("can't write '{}': the file system is read-only; mount it for writing, or choose another place",
              path.string());
+  const bool isRejected = S_ISREG(status.st_mode) && access(path.c_str(), W_OK) != 0;
+  if (isRejected && status.st_uid != geteuid())
+    badUsage(
+        "can't write '{}': the existing file belongs to another user, who does not allow writing to it; choose "
+        "another name",
+        path.string());
   // Also checks the mode bits, because root may write to any file.
-  if (S_ISREG(status.st_mode) && ((status.st_mode & 0222) == 0 || access(path.c_str(), W_OK) != 0))
+  if (S_ISREG(status.st_mode) && ((status.st_mode & 0222) == 0 || isRejected))
     badUsage("can't write '{}': the existing file is read-only; allow writing (chmod u+w), or choose another name",
              path.string());
   // Resolves links, so that the file is replaced and the links remain.

@@ -58,18 +58,28 @@ uint64_t freeInContainers() {
   return least;
 }
 
-uint64_t defaultLimit() {
-  static const uint64_t limit = std::min({freeOnMachine(), freeInContainers(), addressesLeft()}) / 4 * 3;
+struct Limit {
+  uint64_t bytes;
+  bool ofAddresses;  // true if `ulimit -v` causes it
+};
+
+const Limit& defaultLimit() {
+  static const Limit limit = [] {
+    const uint64_t memory = std::min(freeOnMachine(), freeInContainers()), addresses = addressesLeft();
+    return Limit{std::min(memory, addresses) / 4 * 3, addresses < memory};
+  }();
   return limit;
 }
 
 // The limit, or less if `ulimit -v` leaves less in addition to current use. A driver crashes without address space for
 // its compiler and threads, so some is reserved.
-uint64_t limitFor(uint64_t before) {
+Limit limitFor(uint64_t before) {
   constexpr uint64_t kForDrivers = uint64_t{256} << 20;
-  const uint64_t left = addressesLeft();
-  if (left == kUnlimited) return memoryLimit();
-  return std::min(memoryLimit(), before + left - std::min(left, kForDrivers));
+  const uint64_t chosen = chosenLimit, left = addressesLeft();
+  const Limit limit = chosen ? Limit{chosen, false} : defaultLimit();
+  if (left == kUnlimited) return limit;
+  const uint64_t available = before + left - std::min(left, kForDrivers);
+  return available < limit.bytes ? Limit{available, true} : limit;
 }
 
 // Returns the size in MiB, rounded up, or that of small amounts in bytes.
@@ -90,7 +100,7 @@ uint64_t addressesLeft() {
 
 uint64_t memoryLimit() {
   const uint64_t chosen = chosenLimit;
-  return chosen ? chosen : defaultLimit();
+  return chosen ? chosen : defaultLimit().bytes;
 }
 
 void setMemoryLimit(uint64_t bytes) {
@@ -103,13 +113,14 @@ uint64_t claimedMemory() {
 
 void detail::takeMemory(uint64_t bytes, std::string_view what) {
   uint64_t before = reserved;
-  const uint64_t limit = limitFor(before);
+  const Limit limit = limitFor(before);
   do {
-    if (bytes > limit || before > limit - bytes)
+    if (bytes > limit.bytes || before > limit.bytes - bytes)
       fail(ExitCode::OutOfMemory,
            "there is no memory for {}: {} are needed, and {} of the {} that may be taken are in use; use something "
-           "smaller, or raise the memory limit (--memory on the command line)",
-           what, sizeText(bytes), sizeText(before), sizeText(limit));
+           "smaller, or raise the {}",
+           what, sizeText(bytes), sizeText(before), sizeText(limit.bytes),
+           limit.ofAddresses ? "limit on address space (ulimit -v)" : "memory limit (--memory on the command line)");
   } while (!reserved.compare_exchange_weak(before, before + bytes));
 }
 

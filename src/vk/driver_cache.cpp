@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 #include <system_error>
 
@@ -37,14 +38,26 @@ fs::path cacheFolder() {
   return user ? fs::path(user->pw_dir) / ".cache/mesa_shader_cache" : fs::path();
 }
 
-// Returns the free bytes on the folder's disk, or the maximum if they cannot be determined.
-uint64_t freeBytesIn(fs::path folder) {
+// Returns the status of the folder's disk, or nothing if it cannot be determined.
+std::optional<struct statvfs> diskOf(fs::path folder) {
   struct statvfs status {};
   while (statvfs(folder.empty() ? "." : folder.c_str(), &status) != 0) {
-    if (errno != ENOENT || folder.empty() || folder == folder.parent_path()) return UINT64_MAX;
+    if (errno != ENOENT || folder.empty() || folder == folder.parent_path()) return std::nullopt;
     folder = folder.parent_path();
   }
-  return uint64_t{status.f_bavail} * status.f_frsize;
+  return status;
+}
+
+// Returns the free bytes on the folder's disk, or the maximum if they cannot be determined.
+uint64_t freeBytesIn(const fs::path& folder) {
+  const auto disk = diskOf(folder);
+  return disk ? uint64_t{disk->f_bavail} * disk->f_frsize : UINT64_MAX;
+}
+
+// Returns false for file systems such as /proc, which have no blocks for files.
+bool canStoreFiles(const fs::path& folder) {
+  const auto disk = diskOf(folder);
+  return !disk || disk->f_blocks > 0;
 }
 
 enum class Index { Missing, Whole, NoRoom };
@@ -78,9 +91,16 @@ void avoidFullDriverCache() {
   constexpr const char* kOff = "MESA_SHADER_CACHE_DISABLE";
   if (variable(kOff) == "true" || variable(kOff) == "1" || reserveDriverCache()) return;
   setenv(kOff, "true", 1);
-  warn(
-      "the disk of '{}' is full, so the shader cache of Mesa's drivers is disabled for this run; free some space there",
-      cacheFolder().string());
+  if (canStoreFiles(cacheFolder()))
+    warn(
+        "the disk of '{}' is full, so the shader cache of Mesa's drivers is disabled for this run; free some space "
+        "there",
+        cacheFolder().string());
+  else
+    warn(
+        "the folder '{}' cannot be created, so the shader cache of Mesa's drivers is disabled for this run; set "
+        "XDG_CACHE_HOME to a folder that can be written to",
+        cacheFolder().string());
 }
 
 }  // namespace latelight::vk

@@ -208,6 +208,18 @@ TEST_F(Places, AFullDiskOfTheDriversCacheIsNotTheEnd) {
   EXPECT_THAT(folder.read("a.png"), StartsWith(kPng));
 }
 
+// There is nothing to free in a file system without storage.
+TEST_F(Places, ACacheThatCannotBeCreatedIsNoFullDisk) {
+  const Outcome outcome =
+      latelight({.arguments = {"render", "s.gltf", "-o", "a.png", "--size", "32x18", "--device", "cpu"},
+                 .environment = {{"MESA_SHADER_CACHE_DIR", ""}, {"XDG_CACHE_HOME", "/proc/nope"}},
+                 .folder = folder.path()});
+  EXPECT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_EQ(outcome.err,
+            "warning: the folder '/proc/nope/mesa_shader_cache' cannot be created, so the shader cache of Mesa's "
+            "drivers is disabled for this run; set XDG_CACHE_HOME to a folder that can be written to\n");
+}
+
 TEST_F(Places, AFullDiskOfThePictureIsASentence) {
   const test::SmallDisk disk(16u << 10);
   if (!disk) GTEST_SKIP() << "This user may not mount a small disk.";

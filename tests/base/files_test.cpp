@@ -149,6 +149,22 @@ TEST_F(Files, LeaveNothingWhenTheyCannotBeWritten) {
   EXPECT_EQ(entries(), 0u);
 }
 
+// Only the owner of a file may change its permissions.
+TEST_F(Files, OfAnotherUserAreNotAdvisedToBeMadeWritable) {
+  const auto asAnotherUser = [] {
+    constexpr uid_t kUser = 54321;
+    if (geteuid() == 0 && setuid(kUser) != 0) _exit(2);
+    try {
+      checkWritable("/etc/passwd");
+    } catch (const Error& error) {
+      const std::string_view says = error.what();
+      _exit(says.find("belongs to another user") != says.npos && says.find("chmod") == says.npos ? 0 : 1);
+    }
+    _exit(3);
+  };
+  EXPECT_EXIT(asAnotherUser(), testing::ExitedWithCode(0), "");
+}
+
 TEST_F(Files, KeepTheOldOneWhenTheDiskIsFull) {
   writeFile(folder / "f", bytesOf("old"));
   // A limit on file sizes simulates a full disk: the write fails halfway, after the temporary file was created.

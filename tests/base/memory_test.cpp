@@ -57,6 +57,21 @@ TEST_F(Memory, StatesSmallAmountsInBytes) {
               HasSubstr("2000 bytes are needed, and 0 bytes of the 1000 bytes"));
 }
 
+// Whichever limit is the smaller one is named.
+TEST_F(Memory, NamesALimitOfAddresses) {
+  if (hasAddressSanitizer())
+    GTEST_SKIP() << "the shadow memory of the address sanitizer exceeds any limit on addresses";
+  setMemoryLimit(100 * 1024 * kMiB);
+  const auto underALimit = [] {
+    rlimit limit{};
+    limit.rlim_cur = limit.rlim_max = 2048 * kMiB;
+    setrlimit(RLIMIT_AS, &limit);
+    const std::string sentence = refusal([] { MemoryClaim(2048 * kMiB, "a claim"); });
+    _exit(sentence.ends_with("raise the limit on address space (ulimit -v)") ? 0 : 1);
+  };
+  EXPECT_EXIT(underALimit(), testing::ExitedWithCode(0), "");
+}
+
 TEST_F(Memory, MovesWithItsClaim) {
   MemoryClaim kept;
   {
