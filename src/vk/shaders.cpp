@@ -124,6 +124,14 @@ std::span<const uint32_t> shaderOfFolder(std::string_view name) {
   return versions.words.back();
 }
 
+// Returns the files of a folder that replace shaders of the program.
+std::vector<std::filesystem::path> filesIn(const std::filesystem::path& path) {
+  std::vector<std::filesystem::path> files;
+  for (const std::string_view name : shaderNames())
+    if (const auto file = path / (std::string(name) + ".spv"); isThere(file)) files.push_back(file);
+  return files;
+}
+
 }  // namespace
 
 std::string_view ShaderKey::hitName() const {
@@ -171,6 +179,9 @@ void useShadersOf(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!path.empty() && !std::filesystem::is_directory(path, ignored))
     badInput("There is no folder {} of shaders", path.string());
+  if (!path.empty() && filesIn(path).empty())
+    badInput("The folder {} has none of the program's shaders, such as {}.spv: give the one that the build writes",
+             path.string(), shaderNames().front());
   Folder& f = folder();
   const std::scoped_lock lock(f.mutex);
   f.path = path;
@@ -179,11 +190,7 @@ void useShadersOf(const std::filesystem::path& path) {
 std::vector<std::filesystem::path> shaderFiles() {
   Folder& f = folder();
   const std::scoped_lock lock(f.mutex);
-  std::vector<std::filesystem::path> files;
-  if (f.path.empty()) return files;
-  for (const std::string_view name : shaderNames())
-    if (const auto file = f.path / (std::string(name) + ".spv"); isThere(file)) files.push_back(file);
-  return files;
+  return f.path.empty() ? std::vector<std::filesystem::path>() : filesIn(f.path);
 }
 
 }  // namespace latelight::vk

@@ -51,7 +51,7 @@ std::span<const uint32_t> shaderCodeOf(std::string_view name);  // as shaderCode
 
 // For shader development: replaces the embedded shader NAME by the file NAME.spv of a folder, such as
 // build/release/spirv. This affects pipelines created later in the whole process; devices keep their existing
-// pipelines. An empty path restores the embedded shaders.
+// pipelines. An empty path restores the embedded shaders. Throws Error(BadInput) if the folder has none of them.
 void useShadersOf(const std::filesystem::path& folder);
 std::vector<std::filesystem::path> shaderFiles();  // the .spv files of that folder
 

@@ -299,6 +299,14 @@ TEST_F(Places, TooFewOpenFilesAreASentence) {
   }
 }
 
+TEST_F(Places, AFolderOfShadersHasSome) {
+  const std::vector<std::string> command{"bench", "frame", "builtin:boxes", "--device", "cpu", "--shaders", "shaders"};
+  expectRefused(run(command), "no folder shaders", kBadInput);
+  fs::create_directory(folder.path() / "shaders");
+  folder.write("shaders/mine.comp.spv", "mine");
+  expectRefused(run(command), "folder shaders has none of the program's shaders", kBadInput);
+}
+
 // --- names and arguments --------------------------------------------------------------------------------------------
 
 TEST_F(Places, PickedNamesDoNotActOnTerminals) {
