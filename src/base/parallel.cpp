@@ -28,7 +28,7 @@ constexpr size_t kMaxThreads = 1024;
 std::optional<size_t> requestedThreads() {
   const char* text = std::getenv("LATELIGHT_THREADS");
   if (!text || !*text) return std::nullopt;
-  if (const auto count = parseNumber<size_t>(text); count && *count >= 1) return std::min(*count, kMaxThreads);
+  if (const auto count = parseNumber<size_t>(text); count && *count >= 1 && *count <= kMaxThreads) return count;
   warn("LATELIGHT_THREADS is '{}', which is not a number of threads, and is ignored: use a number from 1 to {}", text,
        kMaxThreads);
   return std::nullopt;

@@ -11,7 +11,7 @@
 namespace latelight {
 
 // The number of threads that parallelFor uses, including the caller's: LATELIGHT_THREADS, or the cores that this
-// process may run on.
+// process may run on. A variable that is not a number from 1 to 1024 is ignored with a warning.
 size_t threadCount();
 
 // Calls body(begin, end) over [0, count) in chunks of at most `grain`, on all threads, and returns after all calls have

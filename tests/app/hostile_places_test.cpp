@@ -299,6 +299,19 @@ TEST_F(Places, TooFewOpenFilesAreASentence) {
   }
 }
 
+TEST_F(Places, ANumberOfThreadsOutOfItsRangeIsIgnoredWithAWarning) {
+  for (const char* threads : {"0", "1025", "many"}) {
+    const Outcome outcome =
+        latelight({.arguments = {"render", "builtin:boxes", "-o", "a.png", "--size", "32x18", "--device", "cpu"},
+                   .environment = {{"LATELIGHT_THREADS", threads}},
+                   .folder = folder.path()});
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+    EXPECT_EQ(outcome.err, fmt::format("warning: LATELIGHT_THREADS is '{}', which is not a number of threads, and is "
+                                       "ignored: use a number from 1 to 1024\n",
+                                       threads));
+  }
+}
+
 TEST_F(Places, AFolderOfShadersHasSome) {
   const std::vector<std::string> command{"bench", "frame", "builtin:boxes", "--device", "cpu", "--shaders", "shaders"};
   expectRefused(run(command), "no folder shaders", kBadInput);
