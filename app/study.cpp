@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 #include <latelight/latelight.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -42,23 +43,26 @@ void parseSweep(const Arguments& a, study::SweepOptions& sweep) {
   for (std::string_view part : splitAtCommas(a.sizes)) sweep.sizes.push_back(render::readSize("--sizes", part));
 }
 
-// Parses "8,10,16,float", or ranges such as "8-16".
+// Parses "8,10,16,float", or ranges such as "8-16". A number that is listed twice is returned once.
 std::vector<uint32_t> parseBits(const std::string& text) {
   const auto wrong = [&]() -> std::vector<uint32_t> {
     badUsage("--bits requires comma-separated numbers from 8 to 16 and float, such as 8,10,12-16,float, not \"{}\"",
              text);
   };
   std::vector<uint32_t> bits;
+  const auto add = [&](uint32_t number) {
+    if (std::ranges::find(bits, number) == bits.end()) bits.push_back(number);
+  };
   for (std::string_view part : splitAtCommas(text)) {
     if (part == "float") {
-      bits.push_back(0);
+      add(0);
       continue;
     }
     const size_t dash = part.find('-');
     const auto first = parseIndex(part.substr(0, dash));
     const auto last = dash == std::string::npos ? first : parseIndex(part.substr(dash + 1));
     if (!first || !last || *first < 8 || *last > 16 || *first > *last) return wrong();
-    for (size_t b = *first; b <= *last; ++b) bits.push_back(static_cast<uint32_t>(b));
+    for (size_t b = *first; b <= *last; ++b) add(static_cast<uint32_t>(b));
   }
   return bits;
 }

@@ -28,7 +28,7 @@ Outcome study(const Folder& folder, std::vector<std::string> arguments) {
 
 TEST(Study, OfNormalsWritesTablesAndPictures) {
   Folder folder;
-  const Outcome outcome = study(folder, {"normals", "-o", "out", "--bits", "8,float"});
+  const Outcome outcome = study(folder, {"normals", "-o", "out", "--bits", "8,float,8-8"});
   ASSERT_EQ(outcome.code, 0) << outcome.text();
   EXPECT_THAT(outcome.out, HasSubstr("octahedral-precise"));
   std::vector<std::string> names;
