@@ -33,6 +33,9 @@ constexpr char kWrongIntrinsics[] =
     "a camera matrix k must have focal lengths above 0, no skew and the last row 0 0 1, and one in world {} does not";
 constexpr char kWrongFactors[] =
     "factors of materials must be at least 0, and metallic and roughness at most 1, and one of world {} is not";
+constexpr char kWrongEnvironmentIndex[] =
+    "the environments of worlds must be indices in the list of environments, and that of world {} is not";
+constexpr char kWrongChoice[] = "material choices must be indices in the list of materials, and one of world {} is not";
 constexpr char kWrongEnvironment[] = "the intensity of the environment must be at least 0, and that of world {} is not";
 
 // Calls `convert` for a world, which the message of a rejected value names.
@@ -81,12 +84,16 @@ void checkCount(size_t has, size_t worlds, size_t each, const char* list, std::s
            elements.empty() ? "" : " and ", elements, has);
 }
 
-// Returns the index of a world's environment. `count`: of Worlds::environments.
-uint32_t environmentAt(double index, size_t count) {
-  if (!(index >= 0 && index < static_cast<double>(count)))
-    badUsage("the environments of worlds must be indices in the list of environments, from 0 to {}, and one is {}",
-             count - 1, index);
-  return static_cast<uint32_t>(index);
+// Returns the indices of the worlds' environments. `count`: of Worlds::environments.
+template <typename Number>
+std::vector<uint32_t> environmentIndices(const std::vector<Number>& indices, size_t count) {
+  std::vector<uint32_t> checked;
+  for (size_t world = 0; world < indices.size(); ++world) {
+    const auto index = static_cast<double>(indices[world]);
+    if (!(index >= 0 && index < static_cast<double>(count))) badUsage(kWrongEnvironmentIndex, world);
+    checked.push_back(static_cast<uint32_t>(index));
+  }
+  return checked;
 }
 
 // --- arrays ----------------------------------------------------------------------------------------------------------
@@ -272,7 +279,7 @@ void Scene::Impl::WorldConverter::check(const vk::Device& device) const {
   checkCount(from.environmentIndex.size(), from.count, 1, "environmentIndex", "");
   if ((from.environmentIndex.empty() && !from.arrays.environmentIndex) != from.environments.empty())
     badUsage("Worlds::environments and Worlds::environmentIndex require each other");
-  for (const uint32_t index : from.environmentIndex) environmentAt(index, from.environments.size());
+  environmentIndices(from.environmentIndex, from.environments.size());
   checkCount(from.cameraToWorld.size(), from.count, cameras, "cameraToWorld", "camera");
   checkCount(from.previousCameraToWorld.size(), from.count, cameras, "previousCameraToWorld", "camera");
   checkCount(from.nextCameraToWorld.size(), from.count, cameras, "nextCameraToWorld", "camera");
@@ -463,11 +470,12 @@ Worlds Scene::Impl::WorldConverter::withLightValues(vk::Device& device) const {
 // Returns the same worlds with a list in place of the array of material choices.
 Worlds Scene::Impl::WorldConverter::withMaterials(vk::Device& device) const {
   Worlds lists = from;
-  for (const double index : numbersOf(device, from.arrays.materialChoice, from.count * to.instances.size())) {
-    if (!(index >= 0 && index < static_cast<double>(from.palette.size())))
-      badUsage("material choices must be indices in the list of materials, from 0 to {}, and one is {}",
-               from.palette.size() - 1, index);
-    lists.materials.push_back(from.palette[static_cast<size_t>(index)]);
+  const size_t instances = to.instances.size();
+  const std::vector<double> choices = numbersOf(device, from.arrays.materialChoice, from.count * instances);
+  for (size_t i = 0; i < choices.size(); ++i) {
+    if (!(choices[i] >= 0 && choices[i] < static_cast<double>(from.palette.size())))
+      badUsage(kWrongChoice, i / instances);
+    lists.materials.push_back(from.palette[static_cast<size_t>(choices[i])]);
   }
   lists.arrays.materialChoice = {};
   lists.palette.clear();
@@ -759,8 +767,8 @@ Worlds withoutArrays(const Worlds& worlds, vk::Device& device, size_t instances,
     for (const double value : numbersOf(device, a.environmentIntensity, worlds.count))
       lists.environmentIntensity.push_back(static_cast<float>(value));
   if (a.environmentIndex)
-    for (const double index : numbersOf(device, a.environmentIndex, worlds.count))
-      lists.environmentIndex.push_back(environmentAt(index, worlds.environments.size()));
+    lists.environmentIndex =
+        environmentIndices(numbersOf(device, a.environmentIndex, worlds.count), worlds.environments.size());
   lists.arrays = {.jointTransforms = a.jointTransforms,
                   .previousJointTransforms = a.previousJointTransforms,
                   .nextJointTransforms = a.nextJointTransforms,
@@ -801,11 +809,8 @@ std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
     if (bits & shared::kWorldWrongRide)
       badUsage("a camera of world {} rides on an instance whose transform mirrors or has an axis of length 0", world);
     if (bits & shared::kWorldWrongFactors) badUsage(kWrongFactors, world);
-    if (bits & shared::kWorldWrongEnvironmentIndex)
-      badUsage("the environments of worlds must be indices in the list of environments, and that of world {} is not",
-               world);
-    if (bits & shared::kWorldWrongChoice)
-      badUsage("material choices must be indices in the list of materials, and one of world {} is not", world);
+    if (bits & shared::kWorldWrongEnvironmentIndex) badUsage(kWrongEnvironmentIndex, world);
+    if (bits & shared::kWorldWrongChoice) badUsage(kWrongChoice, world);
     if (bits & shared::kWorldWrongLight)
       badUsage("colors and intensities of lights must be at least 0, and one of world {} is not", world);
     if (bits & shared::kWorldWrongDirection)

@@ -257,6 +257,7 @@ def test_lights_without_shadows(camera):
     rng = np.random.default_rng(4)
     position = rng.uniform(-1, 1, (5, 3, 3)) + (0, 0, 2)
     direction = rng.uniform(-1, 1, (5, 3, 3)).astype(np.float32) - np.float32([0, 0, 1.5])
+    direction[1, 0] = 0  # a point light has no direction
     color = rng.uniform(0, 1, (5, 3, 3)).astype(np.float32)
     intensity = rng.uniform(0, 4, (5, 3)).astype(np.float32)
     intensity[2, 1] = 0
@@ -274,8 +275,9 @@ def test_lights_without_shadows(camera):
         np.testing.assert_array_equal(frames[world][0]["color"], expected)
     with pytest.raises(latelight.UsageError, match="colors and intensities of lights must be at least 0"):
         renderer.render_worlds(5, camera, SIZE, lights=lights, **given | {"light_intensity": -intensity})
-    with pytest.raises(latelight.UsageError, match="direction of a light"):
-        renderer.render_worlds(5, camera, SIZE, lights=lights, **given | {"light_direction": 0 * direction})
+    direction[3, 1] = 0
+    with pytest.raises(latelight.UsageError, match="direction of a light must .* one in world 3 "):
+        renderer.render_worlds(5, camera, SIZE, lights=lights, **given | {"light_direction": direction})
 
 
 def test_environments(scene, camera, tmp_path):
@@ -368,11 +370,15 @@ def test_rejected_arrays_name_their_world(scene, worlds_renderer, camera, raster
     mirrored_poses[1, 0, :3, 0] *= -1
     behind = np.tile(np.array([[20.0, 0, 12], [0, 20, 8], [0, 0, 1]]), (3, 1, 1, 1))
     behind[1, 0, 0, 0] = -20
+    choices = {"instances": [red, green], "materials": scene.materials()[:2]}
     for arguments, sentence in (
         ({"instances": [red, green], "transforms": wrong_row}, "transform of an instance must have the last row"),
         ({"instances": [red, green], "transforms": mirrored, "camera_instances": [green]}, "rides on an instance"),
         ({"camera_to_world": mirrored_poses}, "camera's pose must be a rotation"),
         ({"k": behind}, "^a camera matrix k must have focal lengths above 0"),
+        (choices | {"material_choice": np.int64([[0, 1], [1, 2], [0, 0]])}, "^material choices must be indices"),
+        (choices | {"material_choice": np.uint64([[0, 1], [1, 2**63], [0, 0]])}, "^material choices must be indices"),
+        ({"environments": ["studio"], "environment_index": [0, 1, 0]}, "^the environments of worlds must be indices"),
     ):
         tickets = []
         with pytest.raises(latelight.UsageError, match=sentence) as caught:

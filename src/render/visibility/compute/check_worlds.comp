@@ -3,6 +3,7 @@
 // Checks the arrays that describe worlds: as many invocations per world as it has listed instances, cameras or
 // lights, the maximum of these numbers. It writes kWorld* bits to WorldJob::status.
 #include "render/visibility/compute/place_worlds.glsl"
+#include "shared/light.h"
 
 bool areFinite(WorldNumbers n, uint index, uint count) {
   bool finite = true;
@@ -64,6 +65,15 @@ uint checkedChoice(WorldJob job, uint index) {
   return choice >= 0.0lf && choice < double(job.paletteSize) ? 0u : kWorldWrongChoice;
 }
 
+// Returns true unless the light is a point light, which has no direction. `listed`: among the lights of the arrays.
+bool usesDirection(WorldJob job, uint listed) {
+  for (uint i = 0u; i < job.lights; ++i) {
+    LightTemplate t = LightTemplates(job.lightTemplates).v[i];
+    if (t.listed == listed) return (t.state & kLightIsArea) != 0u || t.light[0].type != kLightPoint;
+  }
+  return true;
+}
+
 uint checkedLight(WorldJob job, uint index) {
   const float kUnbounded = 3.402823466e38;
   uint factors = checkedFactors(job.lightColor, index, 3u, kUnbounded) |
@@ -75,7 +85,8 @@ uint checkedLight(WorldJob job, uint index) {
   if (!areFinite(job.lightDirection, index, 3u)) return bits | kWorldNotFinite;
   dvec3 direction;
   for (uint i = 0u; i < 3u; ++i) direction[i] = double(float(numberAt(job.lightDirection, 3u * index + i)));
-  return dotOf(direction, direction) == 0.0lf ? bits | kWorldWrongDirection : bits;
+  bool wrong = dotOf(direction, direction) == 0.0lf && usesDirection(job, index % job.listedLights);
+  return wrong ? bits | kWorldWrongDirection : bits;
 }
 
 uint checkedEnvironment(WorldJob job, uint world) {

@@ -10,7 +10,6 @@
 #include "shared/light.h"
 #include "shared/rays.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightTemplates { LightTemplate v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer LightsOut { Light v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer AreaLightsOut { AreaLight v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer BoxesOut { LightBox v[]; };

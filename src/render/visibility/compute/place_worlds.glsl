@@ -9,6 +9,7 @@ layout(local_size_x = kPlaceGroup) in;
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer JobRef { WorldJob v; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TemplateRef { WorldTemplate v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightTemplates { LightTemplate v[]; };
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer DeformedRef { DeformedBounds v[]; };
 
