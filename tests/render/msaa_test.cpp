@@ -129,6 +129,91 @@ TEST_P(MsaaTest, EnvironmentFillsTheUncoveredFraction) {
   for (size_t i = 3; i < picture.size(); i += 4) ASSERT_EQ(picture[i], 1);
 }
 
+// The transmittance of fog that thins out with height, from a height over a distance along a direction that climbs by
+// `slope` per meter (Wenzel 2006, Real-time Atmospheric Effects in Games). Uniform if the settings' height is 0.
+double fogTransmittance(const Settings& s, double from, double slope, double distance) {
+  if (s.fogHeight <= 0) return std::exp(-s.fogDensity * distance);
+  const double start = s.fogDensity * std::exp(-from / s.fogHeight), rate = slope / s.fogHeight;
+  return std::exp(-start * (rate > 0 ? (1 - std::exp(-rate * distance)) / rate : distance));
+}
+
+// The square of movedSquare(), whose left edge lies at 8.4 pixels, before a wall, the environment or nothing.
+enum class Behind : uint8_t { Wall, Environment, Nothing };
+scene::Scene squareBefore(Behind behind, bool coat) {
+  scene::Scene scene = movedSquare({0.4f, 0});
+  scene.materials[0].data.baseColor = {0, 0, 0, 1};
+  if (coat) {  // no light but its emission, which the coat attenuates
+    scene.materials[0] = scene::plainMaterial("coated", glm::vec3(0), 0, 1);
+    scene.materials[0].data.emissive = {0.1f, 0.9f, 0.4f};
+    scene.materials[0].data.layers.clearcoat = 1;
+  }
+  if (behind != Behind::Wall) return scene;
+  scene.materials.push_back(scene::plainMaterial("wall", {0.9f, 0.8f, 0.2f}, 0, 1));
+  scene.materials.back().data.flags |= shared::kMaterialUnlit;
+  scene::Instance wall = scene.instances[0];
+  wall.material = 1, wall.id = 99;
+  for (int axis = 0; axis < 3; ++axis) wall.toWorld[axis] *= 16;
+  wall.toWorld[3].y += 3;
+  scene.instances.push_back(wall);
+  return scene;
+}
+
+// Orthographic, looks at the origin from 4 m away along +Y, turned up by an angle in radians.
+scene::Camera cameraTurnedUp(double pitch) {
+  scene::Camera camera = frontCamera();
+  const glm::dvec3 forward(0, std::cos(pitch), std::sin(pitch)), up(0, -std::sin(pitch), std::cos(pitch));
+  camera.toWorld[1] = glm::dvec4(forward, 0), camera.toWorld[2] = glm::dvec4(up, 0);
+  camera.toWorld[3] = glm::dvec4(-4.0 * forward, 1);
+  camera.farClip = 100;
+  return camera;
+}
+
+// Compares pixels of one row inside the square, outside it and on its edge with `share` of the square. The square and
+// what is behind it have their own fog.
+void expectFog(const Values& plain, const Values& picture, const scene::Camera& camera, const Settings& settings,
+               Behind behind, double share) {
+  constexpr size_t kRow = 16, kOut = 4 * kRow * kSize, kEdge = kOut + 4 * 8, kInside = kOut + 4 * 16;
+  const glm::dvec3 forward(camera.toWorld[1]), up(camera.toWorld[2]);
+  const glm::dvec3 start = glm::dvec3(camera.toWorld[3]) + up * (1 - 2 * (kRow + 0.5) / kSize);
+  const auto through = [&](double y) {
+    return fogTransmittance(settings, start.z, forward.z, (y - start.y) / forward.y);
+  };
+  const double near = through(0), far = through(behind == Behind::Wall ? 3 : 1e9);
+  for (int c = 0; c < 4; ++c) {
+    const double added = c < 3 ? double{settings.fogColor[c]} : 1.0;
+    const double square = double{plain[kInside + c]} * near + added * (1 - near);
+    const double rest = double{plain[kOut + c]} * far + added * (1 - far);
+    EXPECT_NEAR(picture[kInside + c], square, 2e-3) << c;
+    EXPECT_NEAR(picture[kOut + c], rest, 2e-3) << c;
+    EXPECT_NEAR(picture[kEdge + c], share * square + (1 - share) * rest, 3e-3) << c;
+  }
+}
+
+TEST_P(MsaaTest, FogAppliesToEachSurface) {
+  const scene::Environment white = constantEnvironment();
+  for (const bool coat : {false, true})
+    for (const Behind behind : {Behind::Wall, Behind::Environment, Behind::Nothing}) {
+      const scene::Scene scene = squareBefore(behind, coat);
+      const bool isSky = behind == Behind::Environment;
+      Renderer renderer(device(), scene, isSky ? &white : nullptr);
+      Settings settings = multisampled(kSize, kSize);
+      if (isSky) settings.background.kind = Background::Environment;
+      settings.fogColor = {0.75f, 0.25f, 0.5f};
+      for (const double pitch : {0.0, 0.5})
+        for (const float height : {0.0f, 2.0f})
+          for (const TechniqueInfo* technique : supportedTechniques()) {
+            SCOPED_TRACE(fmt::format("{} coat {} behind {} pitch {} height {}", technique->name, coat, int(behind),
+                                     pitch, height));
+            const scene::Camera camera = cameraTurnedUp(pitch);
+            settings.lighting = technique, settings.fogHeight = height, settings.fogDensity = 0;
+            const Values plain = colorOf(renderer, camera, settings);
+            settings.fogDensity = 0.1f;
+            const Values picture = colorOf(renderer, camera, settings);
+            expectFog(plain, picture, camera, settings, behind, double{fractionBeyond(0.4, true)});
+          }
+    }
+}
+
 // Alpha masks are tested per sample, so the edge of a mask within a pixel covers part of the pixel.
 TEST_P(MsaaTest, MasksAreTestedPerSample) {
   scene::Scene scene = movedSquare({0, 0});

@@ -9,6 +9,7 @@
 #include "render/glsl/uniform_loads.glsl"
 #ifdef MULTISAMPLED
 #include "render/glsl/redistribute.glsl"
+#include "render/glsl/surface_fog.glsl"
 #endif
 
 // One surface of a pixel. With MULTISAMPLED, a pixel may have several.
@@ -124,6 +125,12 @@ void addItemRadiance(inout vec3 radiance, uint round, uint items, vec3 lit) {
   subgroupSharedBarrier();
 }
 
+// Fog before a surface that render/layered lights is part of the picture, too: that pass only attenuates its own light.
+vec3 radianceInFog(FrameConstants frame, View view, LitPixel p, vec3 byLights) {
+  vec3 lit = litRadiance(frame, p, byLights);
+  return p.lit ? surfaceInFog(frame, view, vec2(p.place.xy) + sampleCentroid(p.samples), p.depth, lit) : lit;
+}
+
 bool lightPixel(FrameConstants frame, ivec3 place) {
   View view = uniformView(frame, place.z);
   bool inside = all(lessThan(vec2(place.xy), view.size));
@@ -137,7 +144,7 @@ bool lightPixel(FrameConstants frame, ivec3 place) {
   uint rounds = 1u + itemRounds();
   for (uint round = 0u; round < rounds; ++round) {
     p = readPixel(frame, view, p.place, p.samples);
-    vec3 lit = litRadiance(frame, p, lightsOn(frame, view, p)) * (float(bitCount(p.samples)) / float(kSamples));
+    vec3 lit = radianceInFog(frame, view, p, lightsOn(frame, view, p)) * (float(bitCount(p.samples)) / float(kSamples));
     if (round == 0u)
       radiance = lit;
     else

@@ -13,6 +13,7 @@
 #include "render/visibility/compute/pixel_triangles.glsl"
 #include "render/glsl/pixel_group.glsl"
 #include "render/glsl/shade_cells.glsl"
+#include "render/glsl/surface_fog.glsl"
 #include "render/layered/layered_push.h"
 
 layout(push_constant, scalar) uniform Push { LayeredPush push; };
@@ -60,7 +61,8 @@ vec3 radianceOf(FrameConstants frame, ivec3 pixel, uint first, uint samples) {
   vec3 radiance = layeredEnvironment(frame, brdf, point.toEye);
   radiance += layeredAreaLight(frame, brdf);
   radiance += lightsOn(frame, view, uint(pixel.z), visible, point, brdf, samples != 0u);
-  return exposedRadiance(frame, point, brdf, radiance);
+  vec3 sent = exposedRadiance(frame, point, brdf, radiance);
+  return kSamples == 1u ? sent : sent * transmittanceFrom(frame, view, point.s.position);
 }
 
 void main() {
@@ -86,7 +88,8 @@ void main() {
   }
   if (covered == 0u) return;
   if (kCountLights != 0u) imageStore(lightCounts, pixel, lightCount());
-  vec4 light = vec4(0.0, 0.0, 0.0, 1.0);  // radiance of the pixel's other surfaces
-  if (uint(bitCount(covered)) != kSamples) light = imageLoad(lightTarget, pixel);
+  vec4 light = vec4(0.0, 0.0, 0.0, 1.0);  // radiance of the pixel's other surfaces, and of fog
+  bool hasFog = kSamples > 1u && frame.fog.density > 0.0;
+  if (uint(bitCount(covered)) != kSamples || hasFog) light = imageLoad(lightTarget, pixel);
   imageStore(lightTarget, pixel, vec4(min(light.rgb + sum, vec3(65504.0)), light.a));
 }

@@ -10,6 +10,7 @@
 #include "render/visibility/surface_fragment.glsl"
 #define PARTIAL_SUBGROUPS
 #include "render/layered/layered_light.glsl"
+#include "render/glsl/surface_fog.glsl"
 
 layout(constant_id = kAlphaMaskedConstant) const uint kAlphaMasked = 0;
 layout(constant_id = kPlainLoopConstant) const uint kPlainLoop = 0;
@@ -31,6 +32,9 @@ void main() {
   radiance += layeredAreaLight(frame, brdf);
   radiance += lightsAtPoint(frame, push.view, point, brdf, true, kPlainLoop != 0u);
   picture = vec4(exposedRadiance(frame, point, brdf, radiance), 1.0);
+#ifdef MULTISAMPLED
+  picture.rgb *= transmittanceFrom(frame, frameView(frame, push.view), point.s.position);
+#endif
   counts = lightCount();
   // As in geometry.frag, the discard comes last, because texture derivatives need the full quad.
   if (kAlphaMasked != 0u) alphaTest(m, p);

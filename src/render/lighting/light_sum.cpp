@@ -1,6 +1,7 @@
 #include "render/lighting/light_sum.h"
 
 #include "base/log.h"
+#include "render/lighting/finish_sum_push.h"
 
 namespace latelight::render {
 
@@ -11,16 +12,17 @@ VkFormat lightSumFormat(vk::Device& device) {
   return properties.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT ? kWanted : kLightFormat;
 }
 
-void addFinishSum(const FrameContext& f, graph::ImageId sum, graph::ImageId light) {
+void addFinishSum(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId sum) {
   Bindings bindings(f.device);
-  bindings.sampled(sum).storage(light, graph::Use::StorageWrite);
-  addCompute(f,
-             {.stage = graph::Stage::Lighting,
-              .name = "forward finish",
-              .shader = f.setup.variant("finish_sum.comp"),
-              .bindings = std::move(bindings),
-              .size = f.pixels()},
-             NoPush{});
+  bindings.sampled(sum).storage(gbuffer.light, graph::Use::StorageWrite);
+  ComputePass pass{.stage = graph::Stage::Lighting,
+                   .name = "forward finish",
+                   .shader = f.setup.variant("finish_sum.comp"),
+                   .bindings = std::move(bindings),
+                   .size = f.pixels()};
+  if (f.setup.samples == 1) return addCompute(f, std::move(pass), NoPush{});
+  pass.bindings.sampled(gbuffer.sampleDepth);
+  addCompute(f, std::move(pass), shared::FinishSumPush{f.constants});
 }
 
 void warnOfManyPasses(const char* technique, uint64_t passes) {

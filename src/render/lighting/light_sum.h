@@ -14,7 +14,7 @@ VkFormat lightSumFormat(vk::Device& device);
 void warnOfManyPasses(const char* technique, uint64_t passes);
 
 // Resolves a sum of lights to the lit picture: the mean of a pixel's samples, each clamped to the largest value that
-// the picture can represent (as in each frame of a supersampled picture).
-void addFinishSum(const FrameContext& f, graph::ImageId sum, graph::ImageId light);
+// the picture can represent (as in each frame of a supersampled picture). With several samples, it applies fog.
+void addFinishSum(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId sum);
 
 }  // namespace latelight::render

@@ -105,8 +105,9 @@ LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   if (f.setup.areaShadowRays && !f.setup.indirect && !f.setup.lighting->traces) addAreaShadows(f, g);
   if (f.setup.indirect && !f.setup.lighting->traces) addIndirect(f, g);
   addLayered(f, g);
+  if (f.setup.fog && multisampled) addFogOfUncovered(f, g);
   if (f.environmentBackground) addBackground(f, g);
-  if (f.setup.fog) addFog(f, g);
+  if (f.setup.fog && !multisampled) addFog(f, g);
   if (f.setup.ground) addGround(f, g);
   return {g.light, g.lightCounts, g, shadows.state};
 }

@@ -29,7 +29,7 @@ LightLists addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop
   std::vector<graph::ImageId> colors{gbuffer.sampleLight};
   if (f.setup.countLights) colors.push_back(gbuffer.lightCounts);
   hardware.addSolid(f, graph::Stage::Lighting, desc, maps, gbuffer.sampleDepth, colors);
-  if (f.setup.samples > 1) addFinishSum(f, gbuffer.sampleLight, gbuffer.light);
+  if (f.setup.samples > 1) addFinishSum(f, gbuffer, gbuffer.sampleLight);
   return {};
 }
 

@@ -116,7 +116,7 @@ LightLists add(const FrameContext& f, const Gbuffer& gbuffer) {
                         createTarget(f, kSurfaceFormat, "surfaces", f.setup.samples)};
   addBase(f, gbuffer, targets);
   addLights(f, gbuffer, targets);
-  addFinishSum(f, targets.sum, gbuffer.light);
+  addFinishSum(f, gbuffer, targets.sum);
   return {};
 }
 

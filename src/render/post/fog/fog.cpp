@@ -17,4 +17,15 @@ void addFog(const FrameContext& f, const Gbuffer& gbuffer) {
       shared::FogPush{f.constants});
 }
 
+void addFogOfUncovered(const FrameContext& f, const Gbuffer& gbuffer) {
+  addCompute(f,
+             {.stage = graph::Stage::Post,
+              .name = "fog",
+              .shader = "fog_uncovered.comp",
+              .bindings = Bindings(f.device).storage(gbuffer.light, graph::Use::StorageReadWrite),
+              .size = f.pixels(),
+              .fullImage = true},
+             shared::FogPush{f.constants});
+}
+
 }  // namespace latelight::render
