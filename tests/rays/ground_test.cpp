@@ -1,8 +1,13 @@
 // The ground that only receives shadows, against closed forms.
+#include <fmt/core.h>
+
 #include <array>
 #include <cmath>
+#include <string_view>
 
 #include "base/error.h"
+#include "render/lighting/technique.h"
+#include "render/options/options.h"
 #include "render/support.h"
 #include "scene/framing.h"
 #include "scene/scene_builder.h"
@@ -216,6 +221,49 @@ TEST_F(GroundTest, LiesBeforeFog) {
     EXPECT_EQ(color, edge < 0 ? glm::vec4(0, 0, 0, 1) : glm::vec4(0.25f, 0.5f, 1, 1)) << at.x << ' ' << at.y;
   });
   EXPECT_GT(shadows, 50u);
+}
+
+// With paths, a blended pane over the plane is part of the picture before the plane is. Its premultiplied color has no
+// part of the shadow, and it leaves the plane's alpha the share that it does not cover.
+TEST_F(GroundTest, LiesUnderBlendedSurfacesOfPaths) {
+  const scene::Camera view = camera(true);
+  const scene::Environment environment = constantEnvironment();
+  scene::Scene scene = sceneOf(squareMesh(), placedAt({0, 0, 2}));
+  scene.lights.push_back(sunAlong({1, 0.5, -1}, 3));
+  Settings settings = groundSettings(64), none = settings;
+  none.ground = Ground::None;
+  const output::FrameOutput ground = renderOne(device(), scene, view, settings, &environment);
+  const std::vector<float>&alone = imageOf(ground, Aov::Color).values, &depth = imageOf(ground, Aov::Depth).values;
+  scene.materials.push_back(scene::plainMaterial("pane", {0.1f, 0.8f, 0.2f}, 0, 1));
+  scene.materials.back().data.flags |= shared::kMaterialBlended | shared::kMaterialDoubleSided;
+  scene.materials.back().data.baseColor.a = 0.75f;
+  scene::Instance pane = scene.instances[0];
+  pane.material = 1, pane.id = 99, pane.toWorld = placedAt({2, 0, 0.5});
+  scene.instances.push_back(pane);
+  for (const Background::Kind background : {Background::Transparent, Background::Environment})
+    for (const char* paths : {"one-bounce", "path", "reference"}) {
+      SCOPED_TRACE(fmt::format("{} background {}", paths, int(background)));
+      for (Settings* s : {&settings, &none}) {
+        s->lighting = &findTechnique(paths == std::string_view("reference") ? "reference" : "fullscreen");
+        s->indirect = choiceNamed<Indirect>(paths).value_or(Indirect::None);
+        s->background.kind = background;
+      }
+      const std::vector<float> with =
+          imageOf(renderOne(device(), scene, view, settings, &environment), Aov::Color).values;
+      none.background.kind = Background::Transparent;
+      const std::vector<float> without =
+          imageOf(renderOne(device(), scene, view, none, &environment), Aov::Color).values;
+      size_t panes = 0;
+      for (uint32_t i = 0; i < kSize * kSize; ++i) {
+        if (depth[i] > 0 && std::isfinite(depth[i])) continue;
+        const float *a = &with[4 * i], *b = &without[4 * i], shadow = alone[4 * i + 3];
+        const float rest = (1 - b[3]) * (1 - shadow), sky = background == Background::Environment ? rest : 0;
+        for (int c = 0; c < 3; ++c) ASSERT_NEAR(a[c], b[c] + sky, 2e-3f) << i;
+        ASSERT_NEAR(a[3], 1 - rest + sky, 2e-3f) << i;
+        panes += b[3] > 0.5f && shadow > 0.1f;
+      }
+      EXPECT_GT(panes, 50u);
+    }
 }
 
 // Data outputs, both rasters, strips, samples and several passes of samples.

@@ -76,6 +76,12 @@ graph::BufferId litTiles(const FrameContext& f, const Gbuffer& g) {
   return cleared && !everywhere && !traced ? g.visible.covered : graph::BufferId{};
 }
 
+// Paths add blended surfaces to the picture before the ground. The ground lies over fog, which lies over these
+// surfaces, so with fog its shadows fall on them, too.
+GroundOrder groundOrder(const FrameContext& f) {
+  return tracesPaths(f.setup) && !f.setup.fog ? GroundOrder::UnderBlended : GroundOrder::OverPicture;
+}
+
 }  // namespace
 
 LitFrame addOpaque(const FrameContext& f) {
@@ -105,10 +111,12 @@ LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   if (f.setup.areaShadowRays && !f.setup.indirect && !f.setup.lighting->traces) addAreaShadows(f, g);
   if (f.setup.indirect && !f.setup.lighting->traces) addIndirect(f, g);
   addLayered(f, g);
+  const GroundOrder order = groundOrder(f);
+  if (f.setup.ground && order == GroundOrder::UnderBlended) addGround(f, g, order);
   if (f.setup.fog && multisampled) addFogOfUncovered(f, g);
   if (f.environmentBackground) addBackground(f, g);
   if (f.setup.fog && !multisampled) addFog(f, g);
-  if (f.setup.ground) addGround(f, g);
+  if (f.setup.ground && order == GroundOrder::OverPicture) addGround(f, g, order);
   return {g.light, g.lightCounts, g, shadows.state};
 }
 

@@ -6,7 +6,8 @@
 // estimated with the same samples, so alpha is exactly 0 where nothing blocks any of them.
 //
 // Inputs: gbufferDepth, the scene's BVHs, the environment's image and cells. Input and output: lightTarget,
-// premultiplied. With several passes, groundSum accumulates (E, E0).
+// premultiplied. With several passes, groundSum accumulates (E, E0). If paths draw blended surfaces into lightTarget
+// before this pass, push.coversBlended is 0, and these surfaces lie over the plane.
 #define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/glsl/pixel_ray.glsl"
@@ -27,7 +28,7 @@ layout(push_constant, scalar) uniform Push { GroundPush push; };
 
 // Returns false if the pixel's ray does not meet the plane from above, or meets a surface first. Surfaces that lie in
 // the plane hide it.
-bool meetsGround(FrameConstants frame, View view, ivec3 pixel, out vec3 position, out float away) {
+bool meetsGround(FrameConstants frame, View view, ivec3 pixel, float depth, out vec3 position, out float away) {
   vec2 ndc = pixelToNdc(vec2(pixel.xy) + 0.5, view.size);
   vec3 from = vec3(0.0), along = vec3(0.0);
   if (kLens != 0u) {
@@ -40,7 +41,6 @@ bool meetsGround(FrameConstants frame, View view, ivec3 pixel, out vec3 position
   float above = start.z - push.height;
   away = above / max(-way.z, 1e-30);
   position = vec3(start.xy + away * way.xy, push.height);
-  float depth = texelFetch(gbufferDepth, pixel, 0).r;
   bool isFirst = depth == 0.0 || away < viewDepth(view.projection, depth) * 0.999;
   return above > 0.0 && way.z < 0.0 && away < 1e7 && isFirst;
 }
@@ -91,7 +91,8 @@ void main() {
   if (any(greaterThanEqual(vec2(pixel.xy), view.size))) return;
   vec3 position;
   float away;
-  if (!meetsGround(frame, view, pixel, position, away)) return;
+  float depth = texelFetch(gbufferDepth, pixel, 0).r;
+  if (!meetsGround(frame, view, pixel, depth, position, away)) return;
   RayScene scene = loadRayScene(frame.rayScene);
   Surface s = whitePlane(position);
   SurfaceBrdf brdf = surfaceBrdf(s, s.normal, kShadingGgx);
@@ -108,5 +109,8 @@ void main() {
   }
   float alpha = sum.y > 0.0 ? clamp(1.0 - sum.x / sum.y, 0.0, 1.0) : 0.0;
   vec4 drawn = imageLoad(lightTarget, pixel);
-  imageStore(lightTarget, pixel, vec4(drawn.rgb * (1.0 - alpha), alpha + drawn.a * (1.0 - alpha)));
+  // Without a surface in the G-buffer, the picture consists of blended surfaces only.
+  bool isBlended = push.coversBlended == 0u && depth == 0.0;
+  vec3 color = isBlended ? drawn.rgb : drawn.rgb * (1.0 - alpha);
+  imageStore(lightTarget, pixel, vec4(color, alpha + drawn.a * (1.0 - alpha)));
 }

@@ -15,7 +15,7 @@ constexpr uint32_t kSamplesAtOnce = 64;
 
 }  // namespace
 
-void addGround(const FrameContext& f, const Gbuffer& gbuffer) {
+void addGround(const FrameContext& f, const Gbuffer& gbuffer, GroundOrder order) {
   const uint32_t all = f.setup.paths;
   vk::ImageDesc sumDesc{.format = VK_FORMAT_R32G32B32A32_SFLOAT, .width = 1, .height = 1, .name = "no sum of ground"};
   const bool sums = all > kSamplesAtOnce;
@@ -39,7 +39,7 @@ void addGround(const FrameContext& f, const Gbuffer& gbuffer) {
                                     .end = std::min(first + kSamplesAtOnce, all),
                                     .samples = all,
                                     .environment = environment,
-                                    .padding = 0});
+                                    .coversBlended = order == GroundOrder::OverPicture ? 1u : 0u});
     }
 }
 

@@ -5,8 +5,14 @@
 
 namespace latelight::render {
 
+// Position of the ground in the order of passes.
+enum class GroundOrder : uint8_t {
+  OverPicture,   // after the background and fog, before blended surfaces
+  UnderBlended,  // before the background, because gbuffer.light contains the blended surfaces that paths found
+};
+
 // Blends the shadows on the plane at FrameContext::groundHeight over gbuffer.light. Requires the scene's BVHs
 // (FrameConstants::rayScene) with the environment's cells, and one sample per pixel.
-void addGround(const FrameContext& f, const Gbuffer& gbuffer);
+void addGround(const FrameContext& f, const Gbuffer& gbuffer, GroundOrder order);
 
 }  // namespace latelight::render
