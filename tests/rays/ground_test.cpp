@@ -1,11 +1,14 @@
 // The ground that only receives shadows, against closed forms.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <string_view>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "render/lighting/technique.h"
 #include "render/options/options.h"
 #include "render/support.h"
@@ -264,6 +267,26 @@ TEST_F(GroundTest, LiesUnderBlendedSurfacesOfPaths) {
       }
       EXPECT_GT(panes, 50u);
     }
+}
+
+TEST_F(GroundTest, WarnsOfAreaLights) {
+  scene::Scene scene = sceneOf(squareMesh(), placedAt({0, 0, 2}));
+  scene::Light disk;
+  disk.type = shared::kLightDisk;
+  disk.direction = {0, 0, -1};
+  disk.position = {0, 0, 4};
+  disk.size = 1;
+  disk.intensity = 1;
+  scene.lights.push_back(disk);
+  for (const Ground ground : {Ground::None, Ground::Shadow}) {
+    std::vector<std::string> warnings;
+    const WarningCapture capture(warnings);
+    Settings settings = groundSettings(1);
+    settings.ground = ground;
+    renderOne(device(), scene, camera(true), settings);
+    const auto isOfGround = [](const std::string& text) { return text.starts_with("--ground ignores area lights"); };
+    EXPECT_EQ(std::ranges::count_if(warnings, isOfGround), ground == Ground::Shadow ? 1 : 0);
+  }
 }
 
 // Data outputs, both rasters, strips, samples and several passes of samples.

@@ -235,6 +235,8 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
     warn(
         "the data outputs show what lies behind blended and transmissive surfaces and not these themselves; "
         "--data-surfaces any includes them");
+  if (settings.ground != Ground::None && gpuScene_.areaLights() > 0)
+    warn("--ground ignores area lights: use punctual lights or an environment for its shadows");
   if (settings.ground != Ground::None && !settings.groundHeight) findLowestPoint();
   prepareScene(settings);
   planPlacedShadows(settings, moment.worlds);
