@@ -380,6 +380,30 @@ TEST(Api, SurplusDistortionCoefficientsAreRefused) {
   EXPECT_EQ(resultOf(LensModel::OpenCv, {0.1, 0, 0, 0, 0, 0.1, 0, 1e-3}), accepted);
 }
 
+// One of eight objects is moved away, out of the picture.
+TEST(Api, OneFarInstanceDoesNotChangeThePictureOfTheOthers) {
+  Scene scene("builtin:boxes");
+  Light lamp;
+  lamp.type = "point";
+  lamp.position = {0, 4, 2};
+  lamp.intensity = 60;
+  scene.addLight(lamp);
+  Renderer renderer(scene, test::testDevice());
+  const Camera camera = scene.defaultCamera(1);
+  Options options;
+  options.width = options.height = 64;
+  options.shadows = "none";
+  const Handle<Instance> moved = scene.instances()[3];
+  Transform transform = scene.instance(moved).transform;
+  const auto pictureAt = [&](double x) {
+    transform[3] = x;
+    scene.setTransform(moved, transform);
+    return renderer.render(camera, options).rgba;
+  };
+  const std::vector<uint8_t> near = pictureAt(1000);
+  for (const double far : {1e6, 1e8, 1e12, 1e18}) EXPECT_EQ(pictureAt(far), near) << far;
+}
+
 TEST(Api, EmptyNamesOfOutputsAreRefused) {
   Scene scene = punctual();
   Renderer renderer(scene, test::testDevice());

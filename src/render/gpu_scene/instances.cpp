@@ -8,7 +8,7 @@
 
 #include "base/parallel.h"
 #include "render/base/remainder.h"
-#include "scene/origin.h"
+#include "render/gpu_scene/scene_origin.h"
 
 namespace latelight::render {
 
@@ -121,29 +121,8 @@ PosedBounds GpuInstances::boundsIn(uint32_t index, const scene::Pose& pose, cons
           .turnedOver = deformed && deformer->turnsOver(instance.mesh, pose)};
 }
 
-// Returns the weighted mean of the centers of all visible instances. Large instances have small weights, because the
-// center of a large ground does not tell where on it the scene is. The order of summation is fixed, because the origin
-// determines how everything is rounded.
-glm::dvec3 GpuInstances::meanCenter() const {
-  const size_t parts = (spheres_.size() + kInstancesAtOnce - 1) / kInstancesAtOnce;
-  std::vector<glm::dvec4> sums(parts, glm::dvec4(0));
-  parallelFor(spheres_.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const WorldSphere& sphere = spheres_[i];
-      if (!(sphere.radius >= 0)) continue;
-      const double weight = 1 / std::pow(std::max(sphere.radius, 1.0), 2);
-      const glm::dvec4 weighted(sphere.center * weight, weight);
-      if (std::isfinite(glm::dot(weighted, glm::dvec4(1)))) sums[i / kInstancesAtOnce] += weighted;
-    }
-  });
-  glm::dvec4 sum(0);
-  for (const glm::dvec4& part : sums) sum += part;
-  return sum.w > 0 ? glm::dvec3(sum) / sum.w : glm::dvec3(0);
-}
-
 bool GpuInstances::moveOrigin() {
-  const glm::dvec3 mean = meanCenter();
-  const glm::dvec3 origin = scene::originNear(mean);
+  const glm::dvec3 origin = sceneOrigin(spheres_, origin_);
   return std::exchange(origin_, origin) != origin;
 }
 

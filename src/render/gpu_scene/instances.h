@@ -64,7 +64,6 @@ class GpuInstances {
 
  private:
   glm::dmat4 deviceTransform(uint32_t instance, const glm::dmat4& toWorld) const;
-  glm::dvec3 meanCenter() const;
   void countVast();
   bool moveOrigin();  // moves it to spheres_; returns true if it changed
   void updateAll(const std::vector<glm::dmat4>& transforms);
