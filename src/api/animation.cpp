@@ -2,11 +2,14 @@
 // scene/rig_edit.h.
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "api/scene.h"
 #include "api/transform.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/memory.h"
+#include "base/reserve.h"
 #include "scene/edit.h"
 #include "scene/rig_edit.h"
 
@@ -127,7 +130,7 @@ void Scene::Impl::addDeformation(const MeshData& from, const scene::VertexSource
 
 // --- nodes and skins ------------------------------------------------------------------------------------------------
 
-std::string Scene::addNode(const NodeData& node) {
+std::string Scene::addNode(const NodeData& node) try {
   scene::NewNode added{.name = node.name, .parent = -1, .transform = {.hasMatrix = node.matrix.has_value()}};
   if (!node.parent.empty()) added.parent = static_cast<int>(filled().nodeAt(node.parent));
   if (node.matrix) added.transform.matrix = matrixOf(*node.matrix);
@@ -139,34 +142,44 @@ std::string Scene::addNode(const NodeData& node) {
   added.transform.weights = node.weights;
   for (const NodePart& part : node.parts)
     added.parts.push_back({filled().index(part.mesh), filled().index(part.material)});
-  return filled().scene.nodes[scene::addNode(filled().scene, added)].path;
+  std::string path;  // allocated before the scene changes: with a slash, "node" if there is no name, and "#<number>"
+  path.reserve(node.parent.size() + node.name.size() + 16);
+  path = filled().scene.nodes[scene::addNode(filled().scene, added)].path;
+  return path;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-void Scene::setNodeTransform(const std::string& node, const Transform& parentFromNode) {
+void Scene::setNodeTransform(const std::string& node, const Transform& parentFromNode) try {
   scene::setNodeTransform(filled().scene, filled().nodeAt(node), matrixOf(parentFromNode));
   for (size_t i = 0; i < filled().cameras.size(); ++i)
     if (const scene::Camera& camera = filled().scene.cameras[i]; camera.node >= 0)
       filled().cameras[i] = filled().posedCamera(i, camera);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-Handle<Skin> Scene::addSkin(const Skin& skin) {
+Handle<Skin> Scene::addSkin(const Skin& skin) try {
   std::vector<uint32_t> joints;
   for (const std::string& joint : skin.joints) joints.push_back(filled().nodeAt(joint));
   std::vector<mat4> inverseBind;
   for (const Transform& transform : skin.inverseBind) inverseBind.emplace_back(matrixOf(transform));
   if (skin.inverseBind.empty()) inverseBind.assign(joints.size(), mat4(1));
   return filled().skin(scene::addSkin(filled().scene, joints, std::move(inverseBind)));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
 // --- animations -----------------------------------------------------------------------------------------------------
 
-void Scene::addAnimation(const std::string& name, const std::vector<AnimationChannel>& channels) {
+void Scene::addAnimation(const std::string& name, const std::vector<AnimationChannel>& channels) try {
   constexpr scene::Interpolation kInterpolations[] = {scene::Interpolation::Step, scene::Interpolation::Linear,
                                                       scene::Interpolation::Cubic};
   constexpr scene::AnimatedProperty kProperties[] = {
       scene::AnimatedProperty::Translation, scene::AnimatedProperty::Rotation, scene::AnimatedProperty::Scale,
       scene::AnimatedProperty::Weights, scene::AnimatedProperty::Visible};
   scene::Animation animation{.name = name};
+  Animation published{.name = name};
   for (const AnimationChannel& channel : channels) {
     const auto interpolation = static_cast<size_t>(channel.interpolation);
     const auto property = static_cast<size_t>(channel.property);
@@ -182,14 +195,19 @@ void Scene::addAnimation(const std::string& name, const std::vector<AnimationCha
       for (float& value : track.values) value = value != 0 ? 1.0f : 0.0f;
     animation.tracks.push_back(std::move(track));
   }
+  reserveMore(filled().animations, 1);
   scene::addAnimation(filled().scene, std::move(animation));
   const scene::Animation& made = filled().scene.rig.animations.back();
-  filled().animations.push_back({made.name, made.duration});
+  published.duration = made.duration;
+  if (name.empty()) published.name = made.name;  // short names require no allocation
+  filled().animations.push_back(std::move(published));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
 // --- lights that follow nodes ---------------------------------------------------------------------------------------
 
-Handle<Light> Scene::addLight(const Light& values, const std::string& node) {
+Handle<Light> Scene::addLight(const Light& values, const std::string& node) try {
   const uint32_t index = filled().nodeAt(node);
   scene::rigNodeOf(filled().scene, index);
   scene::Light light = internalLight(values, filled().scene);
@@ -197,6 +215,8 @@ Handle<Light> Scene::addLight(const Light& values, const std::string& node) {
   light.hidden = scene::isHiddenAtRest(filled().scene, index);
   scene::placeLight(light, scene::toGltfFromWorld() * filled().scene.nodes[index].toWorld);
   return filled().light(scene::addLight(filled().scene, light));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
 }  // namespace latelight

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <new>
 #include <utility>
 #include <variant>
 
@@ -13,6 +14,7 @@
 #include "api/world_array.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/memory.h"
 
 namespace latelight {
 
@@ -88,22 +90,29 @@ render::CastTicket submitTo(Impl& impl, const render::CastRays& rays, const Cast
 }  // namespace
 
 CastHits Renderer::cast(std::span<const std::array<double, 3>> origins,
-                        std::span<const std::array<double, 3>> directions, const Options& options, double maxDistance) {
+                        std::span<const std::array<double, 3>> directions, const Options& options,
+                        double maxDistance) try {
   filled();
   CastHits hits;
   render::HitMemory<CastTargets, CastHits> memory(hits, origins.size());
   submitTo(*impl_, raysOf(origins, directions, maxDistance), memory.targets(), options, [&] { memory.wait(); }).take();
   return hits;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the hits of rays");
 }
 
 void Renderer::cast(std::span<const std::array<double, 3>> origins, std::span<const std::array<double, 3>> directions,
-                    const CastTargets& targets, const Options& options, double maxDistance) {
+                    const CastTargets& targets, const Options& options, double maxDistance) try {
   submitTo(filled(), raysOf(origins, directions, maxDistance), targets, options).take();
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the hits of rays");
 }
 
 void Renderer::cast(std::span<const std::array<float, 3>> origins, std::span<const std::array<float, 3>> directions,
-                    const CastTargets& targets, const Options& options, double maxDistance) {
+                    const CastTargets& targets, const Options& options, double maxDistance) try {
   submitTo(filled(), raysOf(origins, directions, maxDistance), targets, options).take();
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the hits of rays");
 }
 
 struct CastTicket::Impl {
@@ -149,7 +158,7 @@ void CastTicket::take() {
   });
 }
 
-std::map<std::string, DeviceArray> CastTicket::takeArrays() {
+std::map<std::string, DeviceArray> CastTicket::takeArrays() try {
   requireUntaken(impl_);
   if (!impl_->onDevice) badUsage("these hits are no arrays on the device: take() stores them in those of the call");
   const std::shared_ptr<vk::Device> device = impl_->renderer->device;
@@ -162,20 +171,26 @@ std::map<std::string, DeviceArray> CastTicket::takeArrays() {
     array.impl_ = ownedByProcess(new DeviceArray::Impl{.owner = {}, .device = device, .memory = from.memory});
   }
   return arrays;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the hits of rays");
 }
 
 CastTicket Renderer::submitCast(std::span<const std::array<double, 3>> origins,
                                 std::span<const std::array<double, 3>> directions, const CastTargets& targets,
-                                const Options& options, double maxDistance) {
+                                const Options& options, double maxDistance) try {
   return CastTicket::Impl::submitted(impl_,
                                      submitTo(filled(), raysOf(origins, directions, maxDistance), targets, options));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the hits of rays");
 }
 
 CastTicket Renderer::submitCast(std::span<const std::array<float, 3>> origins,
                                 std::span<const std::array<float, 3>> directions, const CastTargets& targets,
-                                const Options& options, double maxDistance) {
+                                const Options& options, double maxDistance) try {
   return CastTicket::Impl::submitted(impl_,
                                      submitTo(filled(), raysOf(origins, directions, maxDistance), targets, options));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the hits of rays");
 }
 
 namespace {
@@ -237,8 +252,10 @@ VkDeviceAddress addressOf(render::Renderer& renderer, const WorldArray& array, u
 
 std::map<std::string, DeviceArray> Renderer::cast(const Worlds& worlds, const WorldRays& rays,
                                                   const std::vector<std::string>& outputs, const Options& options,
-                                                  const std::map<std::string, DeviceArray>& targets) {
+                                                  const std::map<std::string, DeviceArray>& targets) try {
   return submitCast(worlds, rays, outputs, options, targets).takeArrays();
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the hits of rays");
 }
 
 render::WorldCastTicket Renderer::Impl::submitCast(const Worlds& worlds, const WorldRays& rays,
@@ -261,7 +278,7 @@ render::WorldCastTicket Renderer::Impl::submitCast(const Worlds& worlds, const W
 }
 
 CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, const std::vector<std::string>& outputs,
-                                const Options& options, const std::map<std::string, DeviceArray>& targets) {
+                                const Options& options, const std::map<std::string, DeviceArray>& targets) try {
   Impl& impl = filled();
   checkRays(rays, worlds.count, *impl.device);
   DeviceArrayMemory::checkDistinct(targets);
@@ -282,19 +299,26 @@ CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, con
     if (worlds.arrays.ready == 0 && memory->beforeReuse) memory->beforeReuse();
   }
   return CastTicket::Impl::submitted(impl_, impl.submitCast(worlds, rays, std::move(hits), options), true);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the hits of rays");
 }
 
-void Renderer::cast(const Worlds& worlds, const WorldRays& rays, const CastTargets& targets, const Options& options) {
+void Renderer::cast(const Worlds& worlds, const WorldRays& rays, const CastTargets& targets,
+                    const Options& options) try {
   submitCast(worlds, rays, targets, options).take();
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the hits of rays");
 }
 
 CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, const CastTargets& targets,
-                                const Options& options) {
+                                const Options& options) try {
   Impl& impl = filled();
   checkRays(rays, worlds.count, *impl.device);
   return CastTicket::Impl::submitted(
       impl_, impl.submitCast(worlds, rays, render::worldTargets(internalTargets(targets, worlds.count * rays.count)),
                              options));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the hits of rays");
 }
 
 }  // namespace latelight

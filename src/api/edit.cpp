@@ -4,11 +4,13 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <limits>
+#include <new>
 
 #include "api/scene.h"
 #include "api/transform.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "scene/edit.h"
 #include "scene/file_frame.h"
 #include "scene/light_types.h"
@@ -374,7 +376,7 @@ uint32_t Scene::Impl::index(Handle<Texture> h) const {
 
 // --- nodes ----------------------------------------------------------------------------------------------------------
 
-std::vector<Node> Scene::nodes() const {
+std::vector<Node> Scene::nodes() const try {
   const scene::Scene& scene = filled().scene;
   std::vector<Node> nodes;
   for (const scene::Node& node : scene.nodes) {
@@ -383,6 +385,8 @@ std::vector<Node> Scene::nodes() const {
     nodes.push_back({node.path, parent, node.mesh, publicTransform(node.toWorld, scene), node.id});
   }
   return nodes;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
 uint32_t Scene::Impl::nodeAt(const std::string& path) const {
@@ -391,7 +395,7 @@ uint32_t Scene::Impl::nodeAt(const std::string& path) const {
   badUsage("the scene has no node \"{}\": give the path of one, as in /Root/Arm", printable(path));
 }
 
-std::vector<std::string> Scene::joints(Handle<Instance> instance) const {
+std::vector<std::string> Scene::joints(Handle<Instance> instance) const try {
   const scene::Scene& scene = filled().scene;
   const auto& deformation = scene.meshes[scene.instances[filled().index(instance)].mesh].deformation;
   std::vector<std::string> paths;
@@ -403,6 +407,8 @@ std::vector<std::string> Scene::joints(Handle<Instance> instance) const {
                         : scene.nodes[static_cast<size_t>(node - scene.rig.sceneNodes.begin())].path);
   }
   return paths;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
 uint32_t Scene::Impl::jointOf(const std::string& path) const {
@@ -415,30 +421,36 @@ uint32_t Scene::Impl::jointOf(const std::string& path) const {
   badUsage("the scene has no joint \"{}\": give the path of a node that is a joint of a skin", printable(path));
 }
 
-std::optional<Bounds> Scene::bounds() const {
+std::optional<Bounds> Scene::bounds() const try {
   const scene::Bounds world = scene::vertexBounds(filled().scene);
   if (world.empty()) return std::nullopt;
   const dmat4 toFile = fileFromWorld(filled().scene);  // rotates by right angles
   const dvec3 a(toFile * dvec4(world.min, 1)), b(toFile * dvec4(world.max, 1));
   return Bounds{three(glm::min(a, b)), three(glm::max(a, b))};
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
 // --- instances ------------------------------------------------------------------------------------------------------
 
-std::vector<Handle<Instance>> Scene::instances() const {
+std::vector<Handle<Instance>> Scene::instances() const try {
   return filled().handles(filled().scene.instances, &Impl::instance);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-std::vector<Handle<Instance>> Scene::instancesOf(const std::string& node) const {
+std::vector<Handle<Instance>> Scene::instancesOf(const std::string& node) const try {
   const scene::Scene& scene = filled().scene;
   const uint32_t found = filled().nodeAt(node);
   std::vector<Handle<Instance>> all;
   for (uint32_t i = 0; i < scene.instances.size(); ++i)
     if (!scene.instances[i].removed && scene.instances[i].node == found) all.push_back(filled().instance(i));
   return all;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-Instance Scene::instance(Handle<Instance> instance) const {
+Instance Scene::instance(Handle<Instance> instance) const try {
   const scene::Scene& scene = filled().scene;
   const scene::Instance& from = scene.instances[filled().index(instance)];
   return {scene.nodes[from.node].path,
@@ -447,80 +459,112 @@ Instance Scene::instance(Handle<Instance> instance) const {
           publicTransform(from.toWorld, scene),
           from.id,
           from.part};
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-void Scene::setTransform(Handle<Instance> instance, const Transform& transform) {
+void Scene::setTransform(Handle<Instance> instance, const Transform& transform) try {
   scene::setTransform(filled().scene, filled().index(instance), internalTransform(transform, filled().scene));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-void Scene::assignMaterial(Handle<Instance> instance, Handle<Material> material) {
+void Scene::assignMaterial(Handle<Instance> instance, Handle<Material> material) try {
   scene::setMaterialOf(filled().scene, filled().index(instance), filled().index(material));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
 Handle<Instance> Scene::addInstance(Handle<Mesh> mesh, Handle<Material> material, const Transform& transform,
-                                    const std::string& name) {
+                                    const std::string& name) try {
   return filled().instance(scene::addInstance(filled().scene, filled().index(mesh), filled().index(material),
                                               internalTransform(transform, filled().scene), name));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-void Scene::removeInstance(Handle<Instance> instance) {
+void Scene::removeInstance(Handle<Instance> instance) try {
   scene::removeInstance(filled().scene, filled().index(instance));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
 // --- materials ------------------------------------------------------------------------------------------------------
 
-std::vector<Handle<Material>> Scene::materials() const {
+std::vector<Handle<Material>> Scene::materials() const try {
   return filled().handles(filled().scene.materials, &Impl::material);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-Material Scene::material(Handle<Material> material) const {
+Material Scene::material(Handle<Material> material) const try {
   return publicMaterial(filled().scene.materials[filled().index(material)]);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-void Scene::setMaterial(Handle<Material> material, const Material& values) {
+void Scene::setMaterial(Handle<Material> material, const Material& values) try {
   const uint32_t index = filled().index(material);
   scene::setMaterial(filled().scene, index, internalMaterial(values, filled().scene.materials[index]));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-Handle<Material> Scene::addMaterial(const Material& values, std::optional<Handle<Material>> texturesOf) {
+Handle<Material> Scene::addMaterial(const Material& values, std::optional<Handle<Material>> texturesOf) try {
   const scene::Material like = texturesOf ? filled().scene.materials[filled().index(*texturesOf)] : untextured();
   return filled().material(scene::addMaterial(filled().scene, internalMaterial(values, like)));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-void Scene::removeMaterial(Handle<Material> material) {
+void Scene::removeMaterial(Handle<Material> material) try {
   scene::removeMaterial(filled().scene, filled().index(material));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
 // --- lights ---------------------------------------------------------------------------------------------------------
 
-std::vector<Handle<Light>> Scene::lights() const {
+std::vector<Handle<Light>> Scene::lights() const try {
   return filled().handles(filled().scene.lights, &Impl::light);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-Light Scene::light(Handle<Light> light) const {
+Light Scene::light(Handle<Light> light) const try {
   return publicLight(filled().scene.lights[filled().index(light)], filled().scene);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-void Scene::setLight(Handle<Light> light, const Light& values) {
+void Scene::setLight(Handle<Light> light, const Light& values) try {
   const uint32_t index = filled().index(light);
   scene::setLight(filled().scene, index, internalLight(values, filled().scene, filled().scene.lights[index]));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-Handle<Light> Scene::addLight(const Light& values) {
+Handle<Light> Scene::addLight(const Light& values) try {
   return filled().light(scene::addLight(filled().scene, internalLight(values, filled().scene)));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-void Scene::removeLight(Handle<Light> light) {
+void Scene::removeLight(Handle<Light> light) try {
   scene::removeLight(filled().scene, filled().index(light));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
 // --- meshes ---------------------------------------------------------------------------------------------------------
 
-std::vector<Handle<Mesh>> Scene::meshes() const {
+std::vector<Handle<Mesh>> Scene::meshes() const try {
   return filled().handles(filled().scene.meshes, &Impl::mesh);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-Mesh Scene::mesh(Handle<Mesh> mesh) const {
+Mesh Scene::mesh(Handle<Mesh> mesh) const try {
   const scene::Mesh& from = filled().scene.meshes[filled().index(mesh)];
   return {from.name,
           from.positions.size(),
@@ -528,13 +572,17 @@ Mesh Scene::mesh(Handle<Mesh> mesh) const {
           three(from.boundsMin),
           three(from.boundsMax),
           from.deformation != nullptr};
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-MeshData Scene::meshData(Handle<Mesh> mesh) const {
+MeshData Scene::meshData(Handle<Mesh> mesh) const try {
   return publicMeshData(filled().scene.meshes[filled().index(mesh)]);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-void Scene::setMesh(Handle<Mesh> mesh, const MeshData& data) {
+void Scene::setMesh(Handle<Mesh> mesh, const MeshData& data) try {
   const uint32_t index = filled().index(mesh);
   const scene::Mesh& before = filled().scene.meshes[index];
   scene::VertexSources sources;
@@ -542,17 +590,23 @@ void Scene::setMesh(Handle<Mesh> mesh, const MeshData& data) {
   if (made.name.empty()) made.name = before.name;
   filled().addDeformation(data, sources, before.deformation ? before.deformation->weightsNode : -1, made);
   scene::setMesh(filled().scene, index, std::move(made));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-Handle<Mesh> Scene::addMesh(const MeshData& data) {
+Handle<Mesh> Scene::addMesh(const MeshData& data) try {
   scene::VertexSources sources;
   scene::Mesh made = internalMesh(data, sources);
   filled().addDeformation(data, sources, -1, made);
   return filled().mesh(scene::addMesh(filled().scene, std::move(made)));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-void Scene::removeMesh(Handle<Mesh> mesh) {
+void Scene::removeMesh(Handle<Mesh> mesh) try {
   scene::removeMesh(filled().scene, filled().index(mesh));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
 }  // namespace latelight

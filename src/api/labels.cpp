@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "api/renderer.h"
 #include "api/settings.h"
 #include "api/transform.h"
 #include "base/error.h"
+#include "base/memory.h"
 #include "labels/correspondence.h"
 #include "labels/keypoints.h"
 #include "labels/projector.h"
@@ -140,41 +142,49 @@ Renderer::Impl::WorldLabelInput Renderer::Impl::worldLabelInput(const Worlds& wo
   return input;
 }
 
-Labels Renderer::labels(const Camera& camera, const Options& options) {
+Labels Renderer::labels(const Camera& camera, const Options& options) try {
   const Impl::LabelInput input = filled().labelInput(camera, options);
   return publicLabels(std::move(
       labels::labelObjects(impl_->renderer, impl_->scene, {&input.camera, 1}, input.settings, input.moment).front()));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the labels");
 }
 
 std::vector<KeypointLabel> Renderer::keypoints(const Camera& camera, const std::vector<Keypoint>& keypoints,
-                                               const Options& options) {
+                                               const Options& options) try {
   const Impl::LabelInput input = filled().labelInput(camera, options);
   return publicKeypoints(labels::projectKeypoints(impl_->renderer, impl_->scene, input.camera, input.settings,
                                                   input.moment, internalKeypoints(keypoints)));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the labels");
 }
 
-std::vector<Labels> Renderer::labels(const Worlds& worlds, const Options& options) {
+std::vector<Labels> Renderer::labels(const Worlds& worlds, const Options& options) try {
   const Impl::WorldLabelInput input = filled().worldLabelInput(worlds, options);
   std::vector<Labels> all;
   for (labels::PictureLabels& each :
        labels::labelObjects(impl_->renderer, impl_->scene, input.cameras, input.settings, input.moment))
     all.push_back(publicLabels(std::move(each)));
   return all;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the labels");
 }
 
 std::vector<std::vector<KeypointLabel>> Renderer::keypoints(const Worlds& worlds,
                                                             const std::vector<Keypoint>& keypoints,
-                                                            const Options& options) {
+                                                            const Options& options) try {
   const Impl::WorldLabelInput input = filled().worldLabelInput(worlds, options);
   std::vector<std::vector<KeypointLabel>> all;
   for (const auto& each : labels::projectKeypointsOfWorlds(impl_->renderer, impl_->scene, input.cameras, input.settings,
                                                            input.moment, internalKeypoints(keypoints)))
     all.push_back(publicKeypoints(each));
   return all;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the labels");
 }
 
 Correspondence Renderer::correspond(const Camera& first, const Camera& second, const Options& options,
-                                    std::optional<double> secondTime) {
+                                    std::optional<double> secondTime) try {
   const Impl::LabelInput input = filled().labelInput(first, options);
   if (secondTime && !input.settings.time)
     badUsage("the second image has a time, so the first needs one as well: set Options::time");
@@ -184,6 +194,8 @@ Correspondence Renderer::correspond(const Camera& first, const Camera& second, c
   labels::Correspondence found = labels::correspond(
       impl_->renderer, impl_->scene, {input.camera, input.moment.poses.current}, {other, then}, input.settings);
   return publicCorrespondence(std::move(found));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the labels");
 }
 
 namespace {
@@ -249,7 +261,7 @@ WorldSights sightsTo(std::span<const labels::LocatedPixels> views, std::span<con
 
 }  // namespace
 
-std::vector<Correspondence> Renderer::correspond(const Worlds& worlds, const Options& options) {
+std::vector<Correspondence> Renderer::correspond(const Worlds& worlds, const Options& options) try {
   Impl::WorldLabelInput input = filled().worldLabelInput(worlds, options);
   const Worlds next = nextFrameOf(worlds);
   const std::vector<scene::Camera> seconds = filled().worldLabelInput(next, options).cameras;
@@ -285,6 +297,8 @@ std::vector<Correspondence> Renderer::correspond(const Worlds& worlds, const Opt
     all.push_back(publicCorrespondence(std::move(located.result)));
   }
   return all;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the labels");
 }
 
 }  // namespace latelight

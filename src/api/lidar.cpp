@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <new>
 
 #include "api/renderer.h"
 #include "api/settings.h"
 #include "api/transform.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/memory.h"
 #include "output/points.h"
 
 namespace latelight {
@@ -91,7 +93,7 @@ LidarPattern lidarPattern(const SpinningLidar& s) {
 }
 
 LidarPoints Renderer::scan(const LidarPattern& pattern, std::span<const Transform> poses, const LidarOptions& lidar,
-                           const Options& options) {
+                           const Options& options) try {
   const Impl::RayInput input = filled().rayInput(options);
   checkPlayback(input.settings);
   const auto stateAt = [&](double seconds) {
@@ -114,6 +116,8 @@ LidarPoints Renderer::scan(const LidarPattern& pattern, std::span<const Transfor
           .id = std::move(points.id),
           .part = std::move(points.part),
           .material = std::move(points.material)};
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the points of the sensor");
 }
 
 namespace {
@@ -139,7 +143,7 @@ void checkSizes(const LidarPoints& points) {
 
 }  // namespace
 
-void writePoints(const std::filesystem::path& path, const LidarPoints& from, bool world) {
+void writePoints(const std::filesystem::path& path, const LidarPoints& from, bool world) try {
   checkSizes(from);
   const lidar::Points points{vectorsOf<glm::vec3>(from.position),
                              vectorsOf<glm::dvec3>(from.worldPosition),
@@ -158,6 +162,8 @@ void writePoints(const std::filesystem::path& path, const LidarPoints& from, boo
   if (!format.empty()) format.erase(0, 1);
   std::vector<float> buffer;
   writeFile(path, output::encodePoints(format, lidar::fieldsOf(points, world, buffer)));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the points of the sensor");
 }
 
 }  // namespace latelight

@@ -10,6 +10,7 @@
 #include "api/settings.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "render/submit/picking.h"
 #include "render/submit/session.h"
 
@@ -44,13 +45,19 @@ Frame publicFrame(output::FrameOutput&& from) {
 
 }  // namespace
 
-Renderer::Renderer(const Scene& scene, const std::string& device, const EnvironmentData& environment)
-    : impl_(ownedByProcess(new Impl(scene.filled(), device, makeEnvironment(environment)))) {}
-Renderer::Renderer(const Scene& scene, const std::string& device, const std::string& environment)
+Renderer::Renderer(const Scene& scene, const std::string& device, const EnvironmentData& environment) try
+    : impl_(ownedByProcess(new Impl(scene.filled(), device, makeEnvironment(environment)))) {
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the renderer");
+}
+Renderer::Renderer(const Scene& scene, const std::string& device, const std::string& environment) try
     : impl_(ownedByProcess(
           new Impl(scene.filled(), device,
                    render::loadEnvironment(scene.filled().scene,
-                                           render::environmentName(scene.filled().scene, environment, false))))) {}
+                                           render::environmentName(scene.filled().scene, environment, false))))) {
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the renderer");
+}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
@@ -161,10 +168,12 @@ bool Ticket::done() const {
   return !impl_ || !impl_->renderer || (usable(impl_->renderer), impl_->ticket.done());
 }
 
-std::vector<float> Ticket::exposures() const {
+std::vector<float> Ticket::exposures() const try {
   requireUntaken(impl_);
   const std::shared_ptr<Impl> impl = impl_;  // the callback of whileWaiting() may destroy this object
   return impl->ticket.exposures();
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(Impl::kResults);
 }
 
 std::vector<Frame> Ticket::take() try {
@@ -181,7 +190,7 @@ std::vector<Frame> Ticket::take() try {
   failWithoutMemory(Impl::kResults);
 }
 
-std::map<std::string, DeviceArray> Ticket::takeArrays() {
+std::map<std::string, DeviceArray> Ticket::takeArrays() try {
   requireUntaken(impl_);
   if (impl_->results != Results::Arrays) badUsage("these pictures are no arrays: submit them with Results::Arrays");
   const std::shared_ptr<vk::Device> device = impl_->renderer->device;
@@ -202,6 +211,8 @@ std::map<std::string, DeviceArray> Ticket::takeArrays() {
         ownedByProcess(new DeviceArray::Impl{.owner = {}, .device = device, .memory = std::move(from.memory)});
   }
   return arrays;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(Impl::kResults);
 }
 
 namespace {
@@ -306,7 +317,7 @@ Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results re
   failWithoutMemory("the pictures of the worlds");
 }
 
-std::shared_ptr<const DeviceArray> Renderer::inputArray(uint64_t bytes) {
+std::shared_ptr<const DeviceArray> Renderer::inputArray(uint64_t bytes) try {
   vk::Device& device = *filled().device;
   auto array = std::make_shared<DeviceArray>();
   array->element = DeviceArray::Element::Uint8;
@@ -315,6 +326,8 @@ std::shared_ptr<const DeviceArray> Renderer::inputArray(uint64_t bytes) {
   array->impl_ = ownedByProcess(
       new DeviceArray::Impl{.owner = {}, .device = impl_->device, .memory = impl_->inputs->take(device, padded)});
   return array;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("an array");
 }
 
 int Renderer::exportInputSemaphore() {
@@ -323,15 +336,17 @@ int Renderer::exportInputSemaphore() {
   return impl.inputTimeline->exportSemaphore();
 }
 
-const std::vector<uint32_t>& Ticket::invalidWorlds() const {
+const std::vector<uint32_t>& Ticket::invalidWorlds() const try {
   requireUntaken(impl_);
   const std::shared_ptr<Impl> impl = impl_;  // the callback of whileWaiting() may destroy this object
   impl->checkWorlds();
   return impl->invalidWorlds;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(Impl::kResults);
 }
 
 std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
-                                 const Options& options) {
+                                 const Options& options) try {
   Impl& impl = filled();
   const render::Settings settings = withExposure(settingsFor(*impl.device, options, impl.scene), camera);
   std::vector<glm::uvec2> places;
@@ -354,6 +369,8 @@ std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::ar
                      p.distance,
                      {p.uv.x, p.uv.y}});
   return picks;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the picked points");
 }
 
 }  // namespace latelight

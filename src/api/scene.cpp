@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <new>
 #include <utility>
 
 #include "api/settings.h"
 #include "base/error.h"
+#include "base/memory.h"
+#include "base/reserve.h"
 #include "export/export.h"
 #include "output/id_manifest.h"
 #include "render/submit/id_manifest.h"
@@ -22,6 +25,12 @@ namespace {
 
 void checkTime(double time) {
   if (!std::isfinite(time)) badUsage("the time must be a number of seconds");
+}
+
+// Returns the camera converted. Throws Error(Usage) for invalid values, also of those that scene::Camera does not have.
+scene::Camera checkedCamera(const Camera& camera, const scene::Scene& scene) {
+  shutterOf(camera, 0), readoutOf(camera, 0), exposureOf(camera, 0);
+  return internalCamera(camera, scene);
 }
 
 }  // namespace
@@ -39,12 +48,15 @@ scene::Environment makeEnvironment(const EnvironmentData& data) {
   return scene::makeEnvironment(std::move(picture));
 }
 
-Scene::Scene() : impl_(new Impl{scene::Scene{.name = "scene", .source = "scene"}}) {}
+Scene::Scene() try : impl_(new Impl{scene::Scene{.name = "scene", .source = "scene"}}) {
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
+}
 
 Scene::Scene(const std::string& source, const std::string& materialVariant)
     : Scene(source, SceneOptions{.materialVariant = materialVariant}) {}
 
-Scene::Scene(const std::string& source, const SceneOptions& options)
+Scene::Scene(const std::string& source, const SceneOptions& options) try
     : impl_(new Impl{scene::load(source, {.variant = options.materialVariant,
                                           .allowOutside = options.allowOutside,
                                           .ids = {options.idDepth, options.idNodes},
@@ -55,6 +67,8 @@ Scene::Scene(const std::string& source, const SceneOptions& options)
   for (const scene::Animation& animation : impl_->scene.rig.animations)
     impl_->animations.push_back({animation.name, animation.duration});
   for (const scene::Camera& camera : impl_->scene.cameras) impl_->cameras.push_back(publicCamera(camera, impl_->scene));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(fmt::format("the scene {}", source));
 }
 Scene::~Scene() = default;
 Scene::Scene(Scene&&) noexcept = default;
@@ -68,16 +82,22 @@ Scene::Impl& Scene::filled() const {
 uint64_t Scene::triangleCount() const {
   return filled().scene.triangleCount();
 }
-void Scene::exportTo(const std::string& file) const {
+void Scene::exportTo(const std::string& file) const try {
   exports::exportScene(filled().scene, file);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
-void Scene::setEnvironment(const EnvironmentData& environment) {
+void Scene::setEnvironment(const EnvironmentData& environment) try {
   auto made = std::make_shared<scene::Environment>(makeEnvironment(environment));
   made->name = "environment of the scene";
   filled().scene.environment = std::move(made);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
-std::string Scene::idManifest() const {
+std::string Scene::idManifest() const try {
   return output::idManifestText(render::idManifest(filled().scene));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 const std::vector<Camera>& Scene::cameras() const {
   return filled().cameras;
@@ -87,34 +107,45 @@ const std::vector<Animation>& Scene::animations() const {
   return filled().animations;
 }
 
-Camera Scene::Impl::posedCamera(size_t index, const scene::Camera& posed) const {
+Camera Scene::Impl::posedCamera(const Camera& like, const scene::Camera& posed) const {
   Camera camera = publicCamera(posed, scene);
-  camera.shutter = cameras[index].shutter;
-  camera.readout = cameras[index].readout;
-  camera.exposure = cameras[index].exposure;
+  camera.shutter = like.shutter;
+  camera.readout = like.readout;
+  camera.exposure = like.exposure;
   return camera;
 }
 
-void Scene::addCamera(const Camera& camera) {
-  shutterOf(camera, 0), readoutOf(camera, 0), exposureOf(camera, 0);  // reject invalid values
-  const size_t index = filled().cameras.size();
-  filled().scene.cameras.push_back(internalCamera(camera, filled().scene));
-  filled().cameras.push_back(camera);
-  filled().cameras[index] = filled().posedCamera(index, filled().scene.cameras[index]);
+Camera Scene::Impl::posedCamera(size_t index, const scene::Camera& posed) const {
+  return posedCamera(cameras[index], posed);
 }
 
-void Scene::addCamera(const Camera& camera, const std::string& node) {
+void Scene::Impl::addCamera(const Camera& camera, scene::Camera&& converted) {
+  Camera added = posedCamera(camera, converted);
+  reserveMore(scene.cameras, 1);
+  reserveMore(cameras, 1);
+  scene.cameras.push_back(std::move(converted));
+  cameras.push_back(std::move(added));
+}
+
+void Scene::addCamera(const Camera& camera) try {
+  filled().addCamera(camera, checkedCamera(camera, filled().scene));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
+}
+
+void Scene::addCamera(const Camera& camera, const std::string& node) try {
   const uint32_t index = filled().nodeAt(node);
   scene::rigNodeOf(filled().scene, index);
-  addCamera(camera);
-  scene::Camera& added = filled().scene.cameras.back();
+  scene::Camera added = checkedCamera(camera, filled().scene);
   added.node = static_cast<int>(index);
-  filled().scene.nodes[index].followed = true;
   scene::placeCamera(added, scene::toGltfFromWorld() * filled().scene.nodes[index].toWorld);
-  filled().cameras.back() = filled().posedCamera(filled().cameras.size() - 1, added);
+  filled().addCamera(camera, std::move(added));
+  filled().scene.nodes[index].followed = true;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, bool loop) const {
+std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, bool loop) const try {
   checkTime(time);
   const scene::Scene& scene = filled().scene;
   const scene::Pose pose = scene::poseAt(scene, scene::choosePlayback(scene, animation, loop), time);
@@ -122,18 +153,25 @@ std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, 
   for (const scene::Camera& posed : scene::posedCameras(scene, pose))
     cameras.push_back(filled().posedCamera(cameras.size(), posed));
   return cameras;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-Camera Scene::defaultCamera(float aspect, std::optional<double> time, const std::string& animation, bool loop) const {
+Camera Scene::defaultCamera(float aspect, std::optional<double> time, const std::string& animation, bool loop) const
+    try {
   if (!filled().cameras.empty()) return time ? camerasAt(*time, animation, loop).front() : filled().cameras.front();
   if (!(aspect > 0) || !std::isfinite(aspect)) badUsage("a picture's aspect must be a number above 0, not {}", aspect);
   return publicCamera(scene::frameScene(filled().scene, aspect), filled().scene);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-Camera Scene::lookAt(std::array<double, 3> eye, std::array<double, 3> target, float verticalFov) const {
+Camera Scene::lookAt(std::array<double, 3> eye, std::array<double, 3> target, float verticalFov) const try {
   return publicCamera(scene::lookAt(filled().scene, {eye[0], eye[1], eye[2]}, {target[0], target[1], target[2]}, {},
                                     verticalFovOf(verticalFov)),
                       filled().scene);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
 }  // namespace latelight

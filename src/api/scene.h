@@ -20,6 +20,8 @@ class Device;
 
 namespace latelight {
 
+inline constexpr const char* kSceneMemory = "the scene";  // for failWithoutMemory()
+
 inline constexpr float kDegreesPerRadian = 180.0f / glm::pi<float>();
 
 // The cameras of all worlds, world by world; if shaders place the worlds, those of each world.
@@ -62,6 +64,10 @@ struct Scene::Impl {
   // Returns a camera of `cameras` in another pose, with its own exposure, shutter and readout, which scene::Camera does
   // not have.
   Camera posedCamera(size_t index, const scene::Camera& posed) const;
+  Camera posedCamera(const Camera& like, const scene::Camera& posed) const;
+
+  // Adds a camera, `camera` converted, to the scene and to `cameras`, or to neither if memory runs out.
+  void addCamera(const Camera& camera, scene::Camera&& converted);
 
   // Converts worlds for the renderer: returns the cameras, and writes the rest to `state`. `onHost`: as lists, even if
   // shaders can place the worlds.

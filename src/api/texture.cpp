@@ -1,9 +1,11 @@
 // The public API's textures, and the textures that a material samples.
 #include <cstring>
+#include <new>
 
 #include "api/scene.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "scene/edit.h"
 #include "scene/textures/texture.h"
 
@@ -22,11 +24,27 @@ void checkTexture(const TextureData& data) {
              data.rgba.size());
 }
 
-// Creates the texture with its mip levels. Claims the scene's memory first.
-scene::Texture internalTexture(const TextureData& data, scene::Scene& scene) {
-  checkTexture(data);
+// Claims the memory of a texture for a scene, and returns it unless the scene gets the texture.
+class TextureClaim {
+ public:
+  TextureClaim(const TextureData& data, scene::Scene& scene) : scene_(scene) {
+    checkTexture(data);
+    bytes_ = scene::mipChainBytes({data.width, data.height});
+    scene.memory.grow(bytes_, "its textures");
+  }
+  ~TextureClaim() { scene_.memory.shrink(bytes_); }
+  TextureClaim(const TextureClaim&) = delete;
+  TextureClaim& operator=(const TextureClaim&) = delete;
+  void keep() { bytes_ = 0; }
+
+ private:
+  scene::Scene& scene_;
+  uint64_t bytes_ = 0;
+};
+
+// Creates the texture with its mip levels. Its memory must have been claimed.
+scene::Texture internalTexture(const TextureData& data) {
   const scene::ImageSize size{data.width, data.height};
-  scene.memory.grow(scene::mipChainBytes(size), "its textures");
   scene::Texture texture = scene::makeTexture(size, data.srgb, data.name);
   std::memcpy(texture.pixels.get(), data.rgba.data(), data.rgba.size());
   scene::buildMips(texture);
@@ -56,48 +74,67 @@ scene::TextureSlot internalSlot(const TextureUse& use, uint32_t texture) {
 
 }  // namespace
 
-std::vector<Handle<Texture>> Scene::textures() const {
+std::vector<Handle<Texture>> Scene::textures() const try {
   return filled().handles(filled().scene.textures, &Impl::texture);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-Texture Scene::texture(Handle<Texture> texture) const {
+Texture Scene::texture(Handle<Texture> texture) const try {
   const scene::Texture& from = filled().scene.textures[filled().index(texture)];
   return {from.name, from.width, from.height, from.srgb};
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-TextureData Scene::textureData(Handle<Texture> texture) const {
+TextureData Scene::textureData(Handle<Texture> texture) const try {
   const scene::Texture& from = filled().scene.textures[filled().index(texture)];
   TextureData data{from.name, from.width, from.height, from.srgb, {}};
   data.rgba.resize(size_t{4} * from.width * from.height);
   std::memcpy(data.rgba.data(), from.pixels.get(), data.rgba.size());
   return data;
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-Handle<Texture> Scene::addTexture(const TextureData& data) {
-  return filled().texture(scene::addTexture(filled().scene, internalTexture(data, filled().scene)));
+Handle<Texture> Scene::addTexture(const TextureData& data) try {
+  TextureClaim claim(data, filled().scene);
+  const uint32_t index = scene::addTexture(filled().scene, internalTexture(data));
+  claim.keep();
+  return filled().texture(index);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-void Scene::setTextureData(Handle<Texture> texture, const TextureData& data) {
+void Scene::setTextureData(Handle<Texture> texture, const TextureData& data) try {
   const uint32_t index = filled().index(texture);
-  scene::Texture made = internalTexture(data, filled().scene);
+  TextureClaim claim(data, filled().scene);
+  scene::Texture made = internalTexture(data);
   if (made.name.empty()) made.name = filled().scene.textures[index].name;
   scene::setTexture(filled().scene, index, std::move(made));
+  claim.keep();
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-void Scene::removeTexture(Handle<Texture> texture) {
+void Scene::removeTexture(Handle<Texture> texture) try {
   scene::removeTexture(filled().scene, filled().index(texture));
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-std::optional<TextureUse> Scene::textureOf(Handle<Material> material, TextureSlot slot) const {
+std::optional<TextureUse> Scene::textureOf(Handle<Material> material, TextureSlot slot) const try {
   const scene::Material& from = filled().scene.materials[filled().index(material)];
   const scene::TextureSlot& bound = from.slots[indexOf(slot)];
   if (bound.texture < 0) return std::nullopt;
   return TextureUse{filled().texture(static_cast<uint32_t>(bound.texture)), static_cast<Wrap>(bound.sampler.wrapU),
                     static_cast<Wrap>(bound.sampler.wrapV), bound.sampler.magnify == scene::Filter::Linear,
                     from.data.transforms[indexOf(slot)].uvSet};
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
-void Scene::setTexture(Handle<Material> material, TextureSlot slot, const std::optional<TextureUse>& use) {
+void Scene::setTexture(Handle<Material> material, TextureSlot slot, const std::optional<TextureUse>& use) try {
   const uint32_t index = filled().index(material);
   const size_t place = indexOf(slot);
   scene::Material edited = filled().scene.materials[index];
@@ -110,6 +147,8 @@ void Scene::setTexture(Handle<Material> material, TextureSlot slot, const std::o
     edited.data.transforms[place].uvSet = use->uvSet;
   }
   scene::setMaterial(filled().scene, index, edited);
+} catch (const std::bad_alloc&) {
+  failWithoutMemory(kSceneMemory);
 }
 
 }  // namespace latelight

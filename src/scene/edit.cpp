@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -16,7 +19,7 @@ namespace latelight::scene {
 
 SceneEdits::KnownIds& idsOf(Scene& scene) {
   if (scene.edits.ids) return *scene.edits.ids;
-  SceneEdits::KnownIds& ids = scene.edits.ids.emplace();
+  SceneEdits::KnownIds ids;
   for (const Node& node : scene.nodes) ids.nodes.take(node.id);
   for (const Instance& instance : scene.instances) {
     ids.nodes.take(instance.id);  // copies have their own ids
@@ -24,16 +27,23 @@ SceneEdits::KnownIds& idsOf(Scene& scene) {
   }
   for (const Material& material : scene.materials)
     if (!material.removed) ids.materials.take(material.data.id);
-  return ids;
+  return scene.edits.ids.emplace(std::move(ids));
+}
+
+void NewIds::make(const std::string& wanted, size_t instances) {
+  parts.reserve(instances);
+  std::tie(path, id) = ids_.nodes.make(wanted);
+  for (size_t i = 0; i < instances; ++i)
+    parts.push_back(ids_.parts.make(instances == 1 ? path : fmt::format("{}/primitive{}", path, i)));
+}
+
+NewIds::~NewIds() {
+  if (isKept_) return;
+  for (const uint32_t part : parts) ids_.parts.release(part);
+  if (id != 0) ids_.nodes.release(id, path);
 }
 
 namespace {
-
-void empty(Gaps& gaps, uint32_t place) {
-  gaps.free.push_back(place);
-  if (gaps.emptied.size() <= place) gaps.emptied.resize(size_t{place} + 1);
-  ++gaps.emptied[place];
-}
 
 // If the rig covers the slot, its node moves there, too.
 void followSlot(Scene& scene, uint32_t node) {
@@ -49,16 +59,7 @@ void moveNode(Scene& scene, uint32_t index, const dmat4& toWorld) {
   if (index < scene.rig.sceneNodes.size()) scene.rig.nodes[scene.rig.sceneNodes[index]].matrix = node.local;
 }
 
-uint32_t addNode(Scene& scene, const std::string& name, const std::string& mesh, const dmat4& toWorld) {
-  auto [path, id] = idsOf(scene).nodes.make("/" + name);
-  Node node{.name = name, .path = std::move(path), .mesh = mesh, .id = id};
-  node.toWorld = toWorld;
-  node.local = scene.yUp ? toGltfFromWorld() * toWorld : toWorld;
-  const uint32_t index = place(scene.nodes, scene.edits.freeNodes, std::move(node));
-  followSlot(scene, index);
-  return index;
-}
-
+// Requires capacity in Scene::edits.freeNodes.
 void removeNode(Scene& scene, uint32_t index) {
   idsOf(scene).nodes.release(scene.nodes[index].id, scene.nodes[index].path);
   scene.nodes[index] = {};
@@ -113,17 +114,18 @@ bool samples(const Material& material, uint32_t texture) {
 void setTransform(Scene& scene, uint32_t instance, const dmat4& toWorld) {
   checkTransform(toWorld);
   Instance& edited = present(scene.instances, instance, "instance");
+  scene.edits.instances.note(instance);
   edited.toWorld = toWorld;
   edited.placed = true;
   const Node& node = scene.nodes[edited.node];
   if (node.added > 0 && edited.primitive == 0 && !node.followed) moveNode(scene, edited.node, toWorld);
-  scene.edits.instances.note(instance);
 }
 
 void setMaterialOf(Scene& scene, uint32_t instance, uint32_t material) {
   present(scene.materials, material, "material");
-  present(scene.instances, instance, "instance").material = material;
+  Instance& edited = present(scene.instances, instance, "instance");
   scene.edits.instances.note(instance);
+  edited.material = material;
 }
 
 uint32_t addInstance(Scene& scene, uint32_t mesh, uint32_t material, const dmat4& toWorld, const std::string& name) {
@@ -143,20 +145,32 @@ std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts,
   const std::string meshName = scene.meshes[parts[0].mesh].name;
   std::string own = !name.empty() ? name : !meshName.empty() ? meshName : "instance";
   std::ranges::replace(own, '/', '.');  // mesh names of primitives contain slashes
-  const uint32_t node = addNode(scene, own, meshName, parts[0].toWorld);
-  scene.nodes[node].added = static_cast<uint32_t>(parts.size());
-  if (copy) scene.nodeCopies[node] = *copy;
+  NewIds ids(scene);
+  ids.make("/" + own, parts.size());
+  Node node{.name = own, .path = ids.path, .mesh = meshName, .id = ids.id};
+  node.toWorld = parts[0].toWorld;
+  node.local = scene.yUp ? toGltfFromWorld() * node.toWorld : node.toWorld;
+  node.added = static_cast<uint32_t>(parts.size());
+  std::map<uint32_t, NodeCopy> copies;
+  if (copy) copies[nextSlot(scene.nodes, scene.edits.freeNodes)] = *copy;
   std::vector<uint32_t> added;
+  added.reserve(parts.size());
+  reserveMore(scene.nodes, 1);
+  reserveSlots(scene.instances, scene.edits.instanceGaps, scene.edits.instances, parts.size());
+
+  ids.keep();
+  const uint32_t index = place(scene.nodes, scene.edits.freeNodes, std::move(node));
+  followSlot(scene, index);
+  scene.nodeCopies.merge(copies);
   for (uint32_t i = 0; i < parts.size(); ++i) {
     Instance instance{.mesh = parts[i].mesh,
                       .material = parts[i].material,
-                      .node = node,
+                      .node = index,
                       .primitive = i,
                       .toWorld = parts[i].toWorld,
                       .placed = true};
-    instance.id = scene.nodes[node].id;
-    const std::string& path = scene.nodes[node].path;
-    instance.part = idsOf(scene).parts.make(parts.size() == 1 ? path : fmt::format("{}/primitive{}", path, i));
+    instance.id = ids.id;
+    instance.part = ids.parts[i];
     added.push_back(placeInstance(scene, instance));
     scene.edits.instances.note(added.back());
   }
@@ -166,13 +180,15 @@ std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts,
 void removeInstance(Scene& scene, uint32_t instance) {
   Instance& removed = present(scene.instances, instance, "instance");
   Node& node = scene.nodes[removed.node];
+  reserveGap(scene.edits.instanceGaps, instance);
+  reserveMore(scene.edits.freeNodes, 1);
+  scene.edits.instances.note(instance);
   if (node.added > 0) {
     idsOf(scene).parts.release(removed.part);
     if (--node.added == 0) removeNode(scene, removed.node);
   }
   removed.removed = true;
-  empty(scene.edits.instanceGaps, instance);
-  scene.edits.instances.note(instance);
+  vacate(scene.edits.instanceGaps, instance);
 }
 
 void restoreInstance(Scene& scene, uint32_t instance) {
@@ -180,35 +196,34 @@ void restoreInstance(Scene& scene, uint32_t instance) {
   const uint32_t node = restored.node;
   const bool own = node >= scene.nodes.size() || scene.nodes[node].path.empty() || scene.nodes[node].added > 0;
   if (!restored.removed || own) badUsage("the instance {} is not one of the scene's own that was removed", instance);
+  scene.edits.instances.note(instance);
   std::erase(scene.edits.instanceGaps.free, instance);
   restored.removed = false;
-  scene.edits.instances.note(instance);
 }
 
 void setMaterial(Scene& scene, uint32_t material, const Material& data) {
   Material& edited = present(scene.materials, material, "material");
   checkMaterial(scene, data);
-  const std::string name = edited.name;
-  const uint32_t id = edited.data.id;
+  Material changed = data;
+  changed.name = edited.name;
+  changed.data.id = edited.data.id;
+  changed.removed = false;
+  scene.edits.materials.note(material);
   const auto parts = scene.rig.materials.find(material);
   if (parts != scene.rig.materials.end() && data.data.emissive != edited.data.emissive) {
     parts->second.emissive = data.data.emissive;
     parts->second.emissiveStrength = 1;
   }
-  edited = data;
-  edited.name = name;
-  edited.data.id = id;
-  edited.removed = false;
-  scene.edits.materials.note(material);
+  edited = std::move(changed);
 }
 
 uint32_t addMaterial(Scene& scene, const Material& material) {
   checkMaterial(scene, material);
   Material added = material;
   added.removed = false;
-  const std::vector<uint32_t>& gaps = scene.edits.materialGaps.free;
-  const size_t next = gaps.empty() ? scene.materials.size() : gaps.back();
+  const uint32_t next = nextSlot(scene.materials, scene.edits.materialGaps.free);
   const std::string name = added.name.empty() ? fmt::format("material{}", next) : added.name;
+  reserveSlots(scene.materials, scene.edits.materialGaps, scene.edits.materials);
   added.data.id = idsOf(scene).materials.make(name).second;
   const uint32_t index = place(scene.materials, scene.edits.materialGaps.free, std::move(added));
   scene.edits.materials.note(index);
@@ -218,30 +233,32 @@ uint32_t addMaterial(Scene& scene, const Material& material) {
 void removeMaterial(Scene& scene, uint32_t material) {
   Material& removed = present(scene.materials, material, "material");
   requireUnused(scene, &Instance::material, material, fmt::format("the material \"{}\"", printable(removed.name)));
+  reserveGap(scene.edits.materialGaps, material);
+  scene.edits.materials.note(material);
   idsOf(scene).materials.release(removed.data.id, removed.name);
   removed = {.data = {.layers = noLayers()}, .removed = true};
   stopAnimating(scene, AnimatedElements::Materials, material);
   scene.rig.materials.erase(material);
   std::erase_if(scene.variantMaterials, [&](const VariantMaterial& v) { return v.material == material; });
   forgetRemovedInstances(scene, &Instance::material, material);
-  empty(scene.edits.materialGaps, material);
-  scene.edits.materials.note(material);
+  vacate(scene.edits.materialGaps, material);
 }
 
 void setTexture(Scene& scene, uint32_t texture, Texture data) {
   Texture& edited = present(scene.textures, texture, "texture");
   checkTexture(data);
   data.removed = false;
-  scene.memory.shrink(edited.bytes());
-  edited = std::move(data);
   scene.edits.textures.note(texture);
   for (uint32_t i = 0; i < scene.materials.size(); ++i)  // the pixels bound for these materials change
     if (samples(scene.materials[i], texture)) scene.edits.materials.note(i);
+  scene.memory.shrink(edited.bytes());
+  edited = std::move(data);
 }
 
 uint32_t addTexture(Scene& scene, Texture texture) {
   checkTexture(texture);
   texture.removed = false;
+  reserveSlots(scene.textures, scene.edits.textureGaps, scene.edits.textures);
   const uint32_t index = place(scene.textures, scene.edits.textureGaps.free, std::move(texture));
   scene.edits.textures.note(index);
   return index;
@@ -253,24 +270,27 @@ void removeTexture(Scene& scene, uint32_t texture) {
     if (samples(material, texture))
       badUsage("the texture \"{}\" can't be removed, since the material \"{}\" samples it: take it from there first",
                printable(removed.name), printable(material.name));
+  reserveGap(scene.edits.textureGaps, texture);
+  scene.edits.textures.note(texture);
   scene.memory.shrink(removed.bytes());
   removed = {.removed = true};
-  empty(scene.edits.textureGaps, texture);
-  scene.edits.textures.note(texture);
+  vacate(scene.edits.textureGaps, texture);
 }
 
 void setLight(Scene& scene, uint32_t light, const Light& data) {
   Light& edited = present(scene.lights, light, "light");
   checkLight(scene, data);
-  edited = data;
-  edited.removed = false;
+  Light changed = data;
+  changed.removed = false;
   scene.edits.lights.note(light);
+  edited = std::move(changed);
 }
 
 uint32_t addLight(Scene& scene, const Light& light) {
   checkLight(scene, light);
   Light added = light;
   added.removed = false;
+  reserveSlots(scene.lights, scene.edits.lightGaps, scene.edits.lights);
   if (added.node >= 0) scene.nodes[static_cast<size_t>(added.node)].followed = true;
   const uint32_t index = place(scene.lights, scene.edits.lightGaps.free, std::move(added));
   scene.edits.lights.note(index);
@@ -278,10 +298,12 @@ uint32_t addLight(Scene& scene, const Light& light) {
 }
 
 void removeLight(Scene& scene, uint32_t light) {
-  present(scene.lights, light, "light").removed = true;
-  stopAnimating(scene, AnimatedElements::Lights, light);
-  empty(scene.edits.lightGaps, light);
+  Light& removed = present(scene.lights, light, "light");
+  reserveGap(scene.edits.lightGaps, light);
   scene.edits.lights.note(light);
+  removed.removed = true;
+  stopAnimating(scene, AnimatedElements::Lights, light);
+  vacate(scene.edits.lightGaps, light);
 }
 
 void setMesh(Scene& scene, uint32_t mesh, Mesh data) {
@@ -289,11 +311,12 @@ void setMesh(Scene& scene, uint32_t mesh, Mesh data) {
   checkMesh(scene, data);
   findBounds(data);
   data.removed = false;
+  const bool changesSkin = skinOf(data) != skinOf(edited);
+  scene.edits.meshes.note(mesh);
+  if (changesSkin) scene.edits.instances.reserve(scene.instances.size(), scene.instances.size());
   scene.memory.grow(data.bytes(), "its meshes");
   scene.memory.shrink(edited.bytes());
-  const bool changesSkin = skinOf(data) != skinOf(edited);
   edited = std::move(data);
-  scene.edits.meshes.note(mesh);
   if (changesSkin) followSkin(scene, mesh);
 }
 
@@ -301,6 +324,7 @@ uint32_t addMesh(Scene& scene, Mesh mesh) {
   checkMesh(scene, mesh);
   findBounds(mesh);
   mesh.removed = false;
+  reserveSlots(scene.meshes, scene.edits.meshGaps, scene.edits.meshes);
   scene.memory.grow(mesh.bytes(), "its meshes");
   const uint32_t index = place(scene.meshes, scene.edits.meshGaps.free, std::move(mesh));
   scene.edits.meshes.note(index);
@@ -310,12 +334,13 @@ uint32_t addMesh(Scene& scene, Mesh mesh) {
 void removeMesh(Scene& scene, uint32_t mesh) {
   Mesh& removed = present(scene.meshes, mesh, "mesh");
   requireUnused(scene, &Instance::mesh, mesh, fmt::format("the mesh \"{}\"", printable(removed.name)));
+  reserveGap(scene.edits.meshGaps, mesh);
+  scene.edits.meshes.note(mesh);
   scene.memory.shrink(removed.bytes());
   removed = {};
   removed.removed = true;
   forgetRemovedInstances(scene, &Instance::mesh, mesh);
-  empty(scene.edits.meshGaps, mesh);
-  scene.edits.meshes.note(mesh);
+  vacate(scene.edits.meshGaps, mesh);
 }
 
 }  // namespace latelight::scene

@@ -2,8 +2,9 @@
 // frame. Elements keep their indices: a removed one leaves a free slot, which the next added one reuses. An element
 // that another one uses cannot be removed, such as a mesh or material of an instance, or a texture of a material.
 //
-// Every function throws Error(Usage) for an index without an element and for invalid values (not finite, out of range).
-// The scene is then unchanged.
+// Every function throws Error(Usage) for an index without an element and for invalid values (not finite, out of range),
+// and std::bad_alloc or Error(OutOfMemory) if memory runs out. The scene is then unchanged: each function allocates all
+// that it requires before it changes anything. An edit may be logged that did not happen, which is harmless.
 #pragma once
 
 #include <optional>

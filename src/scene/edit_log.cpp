@@ -3,10 +3,17 @@
 
 #include <algorithm>
 
+#include "base/reserve.h"
+
 namespace latelight::scene {
 
+void EditLog::reserve(size_t elements, size_t count) {
+  if (last_.size() < elements) last_.resize(elements, 0);
+  reserveMore(edits_, count);
+}
+
 void EditLog::note(uint32_t index) {
-  if (last_.size() <= index) last_.resize(size_t{index} + 1, 0);
+  reserve(size_t{index} + 1);
   known_ += last_[index] == 0;
   last_[index] = ++revision_;
   edits_.push_back({revision_, index});

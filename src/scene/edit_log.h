@@ -11,7 +11,9 @@ namespace latelight::scene {
 
 class EditLog {
  public:
-  void note(uint32_t index);
+  void note(uint32_t index);  // if it throws, nothing has changed
+  // Allocates what `count` calls of note() with indices below `elements` require, which then do not throw.
+  void reserve(size_t elements, size_t count = 1);
   uint64_t revision() const { return revision_; }  // increases with every edit; 0: no edits
   // Returns the elements that changed after that revision, without duplicates, in ascending order.
   std::vector<uint32_t> since(uint64_t revision) const;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <new>
 #include <string_view>
 #include <system_error>
 #include <unordered_map>
@@ -37,7 +38,7 @@ bool UniqueIds::take(uint32_t id) {
 }
 
 // Frees the slot, and moves entries that probed past it backwards (backward shift deletion).
-void UniqueIds::release(uint32_t id) {
+void UniqueIds::release(uint32_t id) noexcept {
   if (table_.empty() || id == 0 || find(id) != id) return;
   const size_t mask = table_.size() - 1;
   auto hole = static_cast<size_t>(&find(id) - table_.data());
@@ -65,23 +66,38 @@ void UniqueIds::grow() {
 }
 
 std::pair<std::string, uint32_t> UniqueNames::make(const std::string& name) {
-  if (const uint32_t id = hash32(name); ids_.take(id)) return {name, id};
+  std::pair<std::string, uint32_t> made(name, hash32(name));
+  if (ids_.take(made.second)) return made;
   Numbers& numbers = numbers_[name];
-  while (true) {
-    const uint32_t number = numbers.free.empty() ? numbers.next++ : numbers.free.extract(numbers.free.begin()).value();
-    std::string unique = fmt::format("{}#{}", name, number);
-    const uint32_t id = hash32(unique);
-    if (!ids_.take(id)) continue;
-    numbered_[id] = unique;
-    return {std::move(unique), id};
+  for (bool isNew = false; !isNew;) {
+    const uint32_t number = numbers.free.empty() ? numbers.next : *numbers.free.begin();
+    made.first = fmt::format("{}#{}", name, number);
+    made.second = hash32(made.first);
+    isNew = ids_.take(made.second);
+    try {
+      if (isNew) numbered_[made.second] = made.first;
+    } catch (...) {
+      ids_.release(made.second);
+      throw;
+    }
+    if (numbers.free.empty())
+      ++numbers.next;
+    else
+      numbers.free.erase(numbers.free.begin());
+  }
+  return made;
+}
+
+void UniqueNames::release(uint32_t id, const std::string& name) noexcept {
+  ids_.release(id);
+  const auto known = numbered_.extract(id);
+  try {
+    releaseNumber(known.empty() ? name : known.mapped());
+  } catch (const std::bad_alloc&) {  // later elements have other numbers
   }
 }
 
-void UniqueNames::release(uint32_t id, const std::string& name) {
-  ids_.release(id);
-  const auto known = numbered_.find(id);
-  const std::string unique = known == numbered_.end() ? name : std::move(known->second);
-  if (known != numbered_.end()) numbered_.erase(known);
+void UniqueNames::releaseNumber(const std::string& unique) {
   const size_t mark = unique.rfind('#');
   if (mark == std::string::npos) return;
   const auto numbers = numbers_.find(unique.substr(0, mark));

@@ -22,8 +22,8 @@ class UniqueIds {
   // `hash` is hash32() of the name.
   uint32_t make(uint32_t hash, const std::function<std::string()>& name);
   uint32_t make(const std::string& name);
-  bool take(uint32_t id);     // false: it is 0 or already in use
-  void release(uint32_t id);  // makes a used id available again
+  bool take(uint32_t id);              // false: it is 0 or already in use
+  void release(uint32_t id) noexcept;  // makes a used id available again
 
  private:
   uint32_t& find(uint32_t id);
@@ -40,8 +40,9 @@ class UniqueNames {
  public:
   bool take(uint32_t id) { return ids_.take(id); }  // of an element that was not added
   std::pair<std::string, uint32_t> make(const std::string& name);
-  // Makes a used id available again. `name` is the element's name, with or without its number.
-  void release(uint32_t id, const std::string& name);
+  // Makes a used id available again. `name` is the element's name, with or without its number. If memory runs out, the
+  // number stays in use.
+  void release(uint32_t id, const std::string& name) noexcept;
   // Forgets the numbers in use, not the ids. Names made afterward depend only on the ids in use, even where the hashes
   // of different names are equal.
   void forgetNumbers() { numbers_.clear(); }
@@ -51,6 +52,8 @@ class UniqueNames {
     uint32_t next = 2;  // lower ones are in use, except for those that became free
     std::set<uint32_t> free;
   };
+  void releaseNumber(const std::string& unique);
+
   UniqueIds ids_;
   std::unordered_map<std::string, Numbers> numbers_;    // by name
   std::unordered_map<uint32_t, std::string> numbered_;  // names with a number by their id

@@ -7,12 +7,14 @@
 #include <glm/gtc/matrix_access.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <map>
+#include <new>
 #include <set>
-#include <tuple>
 #include <utility>
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/reserve.h"
 #include "scene/edit.h"
 #include "scene/edit_check.h"
 #include "scene/edit_slots.h"
@@ -98,6 +100,11 @@ void coverNodes(Scene& scene) {
   Rig& rig = scene.rig;
   const size_t first = rig.sceneNodes.size();
   if (first == scene.nodes.size()) return;
+  // Nothing below allocates: nodes of the rig that lack an entry in another list would be invalid.
+  for (std::vector<uint32_t>* list : {&rig.sceneNodes, &rig.order}) reserveMore(*list, scene.nodes.size() - first);
+  reserveMore(rig.nodes, scene.nodes.size() - first);
+  if (std::ranges::any_of(scene.instances, [](const Instance& i) { return i.copy >= 0; }))
+    rig.offsets.reserve(scene.instances.size());
   for (size_t i = first; i < scene.nodes.size(); ++i) {
     const Node& node = scene.nodes[i];
     RigNode rigged = uncoveredNode(scene, i);
@@ -157,16 +164,18 @@ std::shared_ptr<const Deformation> weightedBy(uint32_t rigNode, const Deformatio
   return weighted;
 }
 
-// Gives the meshes of the node's parts the node's weights.
-void assignWeights(Scene& scene, const NewNode& added, uint32_t rigNode) {
+// Returns the meshes of the node's parts that have morph targets, with the node's weights, by their indices.
+std::map<uint32_t, Mesh> weightedMeshes(const Scene& scene, const NewNode& added, uint32_t rigNode) {
+  std::map<uint32_t, Mesh> meshes;
   for (const NodePart& part : added.parts) {
-    Mesh& mesh = scene.meshes[part.mesh];
-    if (!mesh.deformation || mesh.deformation->targets.empty() || mesh.deformation->weightsNode >= 0) continue;
-    mesh.deformation = weightedBy(rigNode, *mesh.deformation);
+    const auto& deformation = scene.meshes[part.mesh].deformation;
+    if (!deformation || deformation->targets.empty() || meshes.contains(part.mesh)) continue;
+    Mesh& mesh = meshes[part.mesh] = scene.meshes[part.mesh];
+    mesh.deformation = weightedBy(rigNode, *deformation);
     poseAtRest(scene, mesh);
     findBounds(mesh);
-    scene.edits.meshes.note(part.mesh);
   }
+  return meshes;
 }
 
 // Instances of skinned meshes are in the file's frame, because joints move them.
@@ -176,15 +185,15 @@ dmat4 placeOf(const Scene& scene, uint32_t node, uint32_t mesh) {
   return toWorldFromGltf() * glm::translate(dmat4(1), scene.rig.skins[static_cast<size_t>(deformation->skin)].origin);
 }
 
-void addParts(Scene& scene, const NewNode& added, uint32_t node) {
-  const std::string path = scene.nodes[node].path;
+// Requires capacity for the instances.
+void addParts(Scene& scene, const NewNode& added, uint32_t node, const std::vector<uint32_t>& partIds) {
   const bool isHidden = isHiddenAtRest(scene, node);
   for (uint32_t i = 0; i < added.parts.size(); ++i) {
     const NodePart& part = added.parts[i];
     const auto& deformation = scene.meshes[part.mesh].deformation;
     Instance instance{.mesh = part.mesh, .material = part.material, .node = node, .primitive = i};
     instance.id = scene.nodes[node].id;
-    instance.part = idsOf(scene).parts.make(added.parts.size() == 1 ? path : fmt::format("{}/primitive{}", path, i));
+    instance.part = partIds[i];
     instance.posed = deformation && deformation->skin >= 0;
     instance.hidden = isHidden;
     instance.toWorld = placeOf(scene, node, part.mesh);
@@ -194,6 +203,35 @@ void addParts(Scene& scene, const NewNode& added, uint32_t node) {
     scene.edits.instances.note(index);
   }
 }
+
+// Appends a node to the scene and to the rig, and removes it again unless keep() is called.
+class AppendedNode {
+ public:
+  AppendedNode(Scene& scene, Node node, RigNode rigged) : scene_(scene) {
+    Rig& rig = scene.rig;
+    for (std::vector<uint32_t>* list : {&rig.sceneNodes, &rig.order}) reserveMore(*list, 1);
+    reserveMore(rig.nodes, 1);
+    reserveMore(scene.nodes, 1);
+    rig.sceneNodes.push_back(static_cast<uint32_t>(rig.nodes.size()));
+    rig.order.push_back(rig.sceneNodes.back());
+    rig.nodes.push_back(std::move(rigged));
+    scene.nodes.push_back(std::move(node));
+  }
+  ~AppendedNode() {
+    if (isKept_) return;
+    scene_.rig.sceneNodes.pop_back();
+    scene_.rig.order.pop_back();
+    scene_.rig.nodes.pop_back();
+    scene_.nodes.pop_back();
+  }
+  AppendedNode(const AppendedNode&) = delete;
+  AppendedNode& operator=(const AppendedNode&) = delete;
+  void keep() { isKept_ = true; }
+
+ private:
+  Scene& scene_;
+  bool isKept_ = false;
+};
 
 }  // namespace
 
@@ -225,23 +263,33 @@ uint32_t addNode(Scene& scene, const NewNode& added) {
   checkParts(scene, added, owner);
   coverNodes(scene);
 
-  Node node{.name = name, .mesh = added.parts.empty() ? "" : scene.meshes[added.parts[0].mesh].name};
-  std::tie(node.path, node.id) = idsOf(scene).nodes.make((parent ? parent->path : std::string()) + "/" + name);
+  NewIds ids(scene);
+  ids.make((parent ? parent->path : std::string()) + "/" + name, added.parts.size());
+  Node node{.name = name, .path = ids.path, .mesh = added.parts.empty() ? "" : scene.meshes[added.parts[0].mesh].name};
+  node.id = ids.id;
   node.parent = added.parent;
   node.local = local;
   node.toWorld = toWorld;
-  if (!isRoot) scene.nodes[static_cast<size_t>(added.parent)].followed = true;
   RigNode rigged = from;
   rigged.parent = isRoot ? -1 : static_cast<int>(scene.rig.sceneNodes[static_cast<size_t>(added.parent)]);
   rigged.rotation = glm::normalize(from.rotation);
   rigged.weights.resize(targetsOf(scene, added));
   const auto index = static_cast<uint32_t>(scene.nodes.size()), rigNode = static_cast<uint32_t>(scene.rig.nodes.size());
-  scene.nodes.push_back(std::move(node));
-  scene.rig.sceneNodes.push_back(rigNode);
-  scene.rig.order.push_back(rigNode);
-  scene.rig.nodes.push_back(std::move(rigged));
-  assignWeights(scene, added, rigNode);
-  addParts(scene, added, index);
+  AppendedNode appended(scene, std::move(node), std::move(rigged));
+  std::map<uint32_t, Mesh> weighted = weightedMeshes(scene, added, rigNode);
+  scene.edits.meshes.reserve(scene.meshes.size(), weighted.size());
+  reserveSlots(scene.instances, scene.edits.instanceGaps, scene.edits.instances, added.parts.size());
+  std::vector<dmat4>& offsets = scene.rig.offsets;
+  if (!offsets.empty()) reserveMore(offsets, scene.instances.size() + added.parts.size() - offsets.size());
+
+  ids.keep();
+  appended.keep();
+  if (!isRoot) scene.nodes[static_cast<size_t>(added.parent)].followed = true;
+  for (auto& [mesh, data] : weighted) {
+    scene.meshes[mesh] = std::move(data);
+    scene.edits.meshes.note(mesh);
+  }
+  addParts(scene, added, index, ids.parts);
   return index;
 }
 
@@ -285,7 +333,8 @@ void poseByJoints(const Scene& scene, const Pose& rest, Mesh& mesh) {
   findBounds(mesh);
 }
 
-// Moves everything that follows the nodes of the rig that `isMoved` marks to the rest pose.
+// Moves everything that follows the nodes of the rig that `isMoved` marks to the rest pose. If memory runs out, a part
+// has moved; another call moves the rest. Changes are logged first, so that copies on devices have every change.
 void moveFollowers(Scene& scene, const Pose& rest, const std::vector<bool>& isMoved) {
   const Rig& rig = scene.rig;
   const auto follows = [&](int node) { return node >= 0 && isMoved[rig.sceneNodes[static_cast<size_t>(node)]]; };
@@ -296,13 +345,13 @@ void moveFollowers(Scene& scene, const Pose& rest, const std::vector<bool>& isMo
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     Instance& instance = scene.instances[i];
     if (instance.removed || instance.placed || !follows(static_cast<int>(instance.node))) continue;
-    instance.toWorld = transforms[i];
     scene.edits.instances.note(i);
+    instance.toWorld = transforms[i];
   }
   for (uint32_t i = 0; i < scene.lights.size(); ++i) {
     if (scene.lights[i].removed || !follows(scene.lights[i].node)) continue;
-    placeLight(scene.lights[i], worldOf(scene.lights[i].node));
     scene.edits.lights.note(i);
+    placeLight(scene.lights[i], worldOf(scene.lights[i].node));
   }
   for (Camera& camera : scene.cameras)
     if (follows(camera.node)) placeCamera(camera, worldOf(camera.node));
@@ -311,18 +360,21 @@ void moveFollowers(Scene& scene, const Pose& rest, const std::vector<bool>& isMo
     if (scene.meshes[i].removed || !deformation || deformation->skin < 0) continue;
     const Skin& skin = rig.skins[static_cast<size_t>(deformation->skin)];
     if (std::ranges::none_of(skin.joints, [&](uint32_t joint) { return isMoved[joint]; })) continue;
-    poseByJoints(scene, rest, scene.meshes[i]);
     scene.edits.meshes.note(i);
+    poseByJoints(scene, rest, scene.meshes[i]);
   }
 }
 
 // The rest pose with another transform of a node. Throws Error(Usage), with the rig unchanged, if it is not finite.
-Pose restWith(Scene& scene, uint32_t rigNode, const RigNode& to, const std::string& owner) {
-  const RigNode before = std::exchange(scene.rig.nodes[rigNode], to);
+Pose restWith(Scene& scene, uint32_t rigNode, RigNode to, const std::string& owner) {
+  RigNode before = std::exchange(scene.rig.nodes[rigNode], std::move(to));
   try {
     return restPose(scene);
+  } catch (const std::bad_alloc&) {
+    scene.rig.nodes[rigNode] = std::move(before);
+    throw;
   } catch (const Error&) {
-    scene.rig.nodes[rigNode] = before;
+    scene.rig.nodes[rigNode] = std::move(before);
     badUsage("{} would get a transform that is not finite, or a node below it would", owner);
   }
 }
@@ -334,9 +386,9 @@ void setNodeTransform(Scene& scene, uint32_t node, const dmat4& parentFromNode) 
   const std::string owner = fmt::format("the node {}", printable(scene.nodes[node].path));
   if (scene.nodes[node].added > 0) badUsage("{} is that of an added instance: move the instance", owner);
   checkTransform({.hasMatrix = true, .matrix = parentFromNode}, parentFromNode, owner);
+  std::vector<bool> isMoved(scene.rig.nodes.size());
   const Pose rest = restWith(scene, rigNode, withTransform(scene.rig, rigNode, parentFromNode, owner), owner);
   scene.nodes[node].local = parentFromNode;
-  std::vector<bool> isMoved(scene.rig.nodes.size());
   isMoved[rigNode] = true;
   for (const uint32_t index : scene.rig.order)
     if (const int parent = scene.rig.nodes[index].parent; parent >= 0 && isMoved[static_cast<size_t>(parent)])
@@ -357,6 +409,7 @@ uint32_t addSkin(Scene& scene, std::span<const uint32_t> joints, std::vector<mat
     if (glm::row(m, 3) != vec4(0, 0, 0, 1)) badUsage("an inverse bind matrix must have the last row 0 0 0 1");
   }
   coverNodes(scene);
+  reserveMore(scene.rig.skins, 1);
   Skin skin{.inverseBind = std::move(inverseBind)};
   dvec3 mean(0);
   for (const uint32_t joint : joints) {
@@ -460,8 +513,8 @@ void addMorphTargets(Scene& scene, uint32_t rigNode) {
     const uint32_t added = addMesh(scene, std::move(morphed));
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
       if (scene.instances[i].node != node || scene.instances[i].mesh != mesh) continue;
-      scene.instances[i].mesh = added;
       scene.edits.instances.note(i);
+      scene.instances[i].mesh = added;
     }
   }
 }
@@ -475,9 +528,10 @@ void addAnimation(Scene& scene, Animation animation) {
     checkTrack(scene, animation.name, track);
     animation.duration = std::max(animation.duration, track.times.back());
   }
+  if (animation.name.empty()) animation.name = fmt::format("animation{}", scene.rig.animations.size());
+  reserveMore(scene.rig.animations, 1);
   for (const Track& track : animation.tracks)
     if (track.property == AnimatedProperty::Weights) addMorphTargets(scene, track.node);
-  if (animation.name.empty()) animation.name = fmt::format("animation{}", scene.rig.animations.size());
   scene.rig.animations.push_back(std::move(animation));
 }
 

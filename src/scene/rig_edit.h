@@ -3,7 +3,8 @@
 // stay where they are. Nothing that they add can be removed, except for instances.
 //
 // Every function throws Error(Usage) for invalid values, and for a scene that is not in glTF's frame. The scene is then
-// unchanged.
+// unchanged. If memory runs out, addNode() and addSkin() leave it unchanged as well, but setNodeTransform(), and
+// addAnimation() with weights, may have done a part, which another call completes.
 #pragma once
 
 #include <span>

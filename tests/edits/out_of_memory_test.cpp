@@ -1,0 +1,237 @@
+// Edits of which each allocation fails in turn: the edit throws Error(OutOfMemory), the scene is unchanged, and the
+// same edit then succeeds with the result of one that was not disturbed.
+#include <gtest/gtest.h>
+#include <latelight/latelight.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/folder.h"
+#include "test_device.h"
+
+namespace {
+
+// The number of this thread's allocations until one fails; 0: none fails.
+thread_local int allocationsUntilFailure = 0;
+
+void* allocate(size_t size, size_t alignment) {
+  if (allocationsUntilFailure > 0 && --allocationsUntilFailure == 0) throw std::bad_alloc();
+  if (size == 0) size = 1;
+  void* const memory =
+      alignment ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment) : std::malloc(size);
+  if (!memory) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+// GCC warns of a mismatch if it inlines only one of them.
+#define NOT_INLINED __attribute__((noinline))
+
+NOT_INLINED void* operator new(size_t size) {
+  return allocate(size, 0);
+}
+NOT_INLINED void* operator new(size_t size, std::align_val_t alignment) {
+  return allocate(size, size_t(alignment));
+}
+NOT_INLINED void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+NOT_INLINED void operator delete(void* memory, size_t) noexcept {
+  std::free(memory);
+}
+NOT_INLINED void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+NOT_INLINED void operator delete(void* memory, size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+
+namespace latelight {
+namespace {
+
+constexpr Transform kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+constexpr Transform kMoved{1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 0.25, 0, 0, 0, 1};
+
+// Names too long to be stored without an allocation.
+const std::string kLong = " with a name that requires an allocation";
+
+MeshData triangle(float height) {
+  return {.name = "triangle" + kLong,
+          .positions = {{-1, -1, 0}, {1, -1, 0}, {0, height, 0}},
+          .indices = {},
+          .uv = {{0, 1}, {1, 1}, {0, 0}}};
+}
+
+TextureData plain(uint8_t gray) {
+  return {"plain" + kLong, 2, 2, true, std::vector<uint8_t>(16, gray)};
+}
+
+// A small scene in which everything that an edit may refer to exists, also gaps.
+struct Edited {
+  Scene scene;
+  Handle<Mesh> mesh = scene.addMesh(triangle(1)), unusedMesh = scene.addMesh(triangle(2));
+  Handle<Material> material = scene.addMaterial({.name = "paint" + kLong});
+  Handle<Material> unusedMaterial = scene.addMaterial({.name = "paint" + kLong});
+  Handle<Texture> texture = scene.addTexture(plain(100)), unusedTexture = scene.addTexture(plain(50));
+  Handle<Instance> instance = scene.addInstance(mesh, material, kIdentity, "instance" + kLong);
+  Handle<Instance> twin = scene.addInstance(mesh, material, kMoved, "instance" + kLong);
+  Handle<Light> light = scene.addLight({.name = "lamp" + kLong, .range = {}, .castShadow = {}});
+  Handle<Light> otherLight = scene.addLight({});  // a new renderer of a scene without lights has an environment
+  std::string node = scene.addNode({.name = "node" + kLong, .parent = "", .parts = {{mesh, material}}, .weights = {}});
+
+  Edited() {
+    scene.setTexture(material, TextureSlot::BaseColor, TextureUse{.texture = texture});
+    scene.addCamera(scene.lookAt({0, 0, 4}, {0, 0, 0}));
+  }
+};
+
+using Call = std::function<void()>;
+
+struct Edit {
+  const char* name;
+  std::function<Call(Edited&)> prepare;  // the call holds its arguments, so that only the edit allocates
+  bool mayBePartial = false;             // if it fails; another call then completes it
+};
+void PrintTo(const Edit& edit, std::ostream* out) {
+  *out << edit.name;
+}
+
+const Edit kEdits[] = {
+    {"SetTransform", [](Edited& e) { return [&e] { e.scene.setTransform(e.instance, kMoved); }; }},
+    {"AssignMaterial", [](Edited& e) { return [&e] { e.scene.assignMaterial(e.instance, e.unusedMaterial); }; }},
+    {"AddInstance",
+     [](Edited& e) {
+       return [&e, name = "instance" + kLong] { e.scene.addInstance(e.mesh, e.material, kMoved, name); };
+     }},
+    {"RemoveInstance", [](Edited& e) { return [&e] { e.scene.removeInstance(e.twin); }; }},
+    {"SetMaterial",
+     [](Edited& e) {
+       return [&e, to = Material{.name = "other" + kLong, .metallic = 0, .clearcoat = 1}] {
+         e.scene.setMaterial(e.material, to);
+       };
+     }},
+    {"AddMaterial",
+     [](Edited& e) { return [&e, added = Material{.name = "paint" + kLong}] { e.scene.addMaterial(added); }; }},
+    {"RemoveMaterial", [](Edited& e) { return [&e] { e.scene.removeMaterial(e.unusedMaterial); }; }},
+    {"SetLight",
+     [](Edited& e) {
+       return [&e, to = Light{.name = "other" + kLong, .intensity = 5}] { e.scene.setLight(e.light, to); };
+     }},
+    {"AddLight", [](Edited& e) { return [&e, added = Light{.name = "second" + kLong}] { e.scene.addLight(added); }; }},
+    {"RemoveLight", [](Edited& e) { return [&e] { e.scene.removeLight(e.light); }; }},
+    {"SetMesh", [](Edited& e) { return [&e, to = triangle(3)] { e.scene.setMesh(e.mesh, to); }; }},
+    {"AddMesh", [](Edited& e) { return [&e, added = triangle(3)] { e.scene.addMesh(added); }; }},
+    {"RemoveMesh", [](Edited& e) { return [&e] { e.scene.removeMesh(e.unusedMesh); }; }},
+    {"SetTexture",
+     [](Edited& e) { return [&e] { e.scene.setTexture(e.material, TextureSlot::BaseColor, std::nullopt); }; }},
+    {"SetTextureData", [](Edited& e) { return [&e, to = plain(200)] { e.scene.setTextureData(e.texture, to); }; }},
+    {"AddTexture", [](Edited& e) { return [&e, added = plain(200)] { e.scene.addTexture(added); }; }},
+    {"RemoveTexture", [](Edited& e) { return [&e] { e.scene.removeTexture(e.unusedTexture); }; }},
+    {"AddCamera",
+     [](Edited& e) {
+       return [&e, added = e.scene.lookAt({0, 0, 2}, {0, 0, 0})] { e.scene.addCamera(added); };
+     }},
+    {"AddNode",
+     [](Edited& e) {
+       NodeData added{.name = "child"};
+       added.parent = e.node;
+       added.parts = {{e.mesh, e.material}, {e.unusedMesh, e.unusedMaterial}};
+       return [&e, added] { e.scene.addNode(added); };
+     }},
+    {"AddSkin", [](Edited& e) { return [&e, added = Skin{.joints = {e.node}}] { e.scene.addSkin(added); }; }},
+    {"AddAnimation",
+     [](Edited& e) {
+       const AnimationChannel channel{.node = e.node, .times = {0, 1}, .values = {0, 0, 0, 1, 1, 1}};
+       return
+           [&e, name = "animation" + kLong, channels = std::vector{channel}] { e.scene.addAnimation(name, channels); };
+     }},
+    {"SetNodeTransform", [](Edited& e) { return [&e] { e.scene.setNodeTransform(e.node, kMoved); }; }, true},
+};
+
+// Everything that the scene's file and its lists state.
+std::string stateOf(const Edited& edited, const std::filesystem::path& folder) {
+  const Scene& scene = edited.scene;
+  const std::string file = (folder / "scene.glb").string();
+  scene.exportTo(file);
+  std::ifstream bytes(file, std::ios::binary);
+  std::string state{std::istreambuf_iterator<char>(bytes), {}};
+  state += scene.idManifest();
+  for (const size_t count :
+       {scene.nodes().size(), scene.instances().size(), scene.materials().size(), scene.meshes().size(),
+        scene.textures().size(), scene.lights().size(), scene.cameras().size(), scene.animations().size()})
+    state += " " + std::to_string(count);
+  return state;
+}
+
+// What happens to an edit whose nth allocation fails.
+enum class Outcome { Fails, SucceedsWithout, HasFewer };
+
+Outcome outcomeOf(int allocation, const Edit& edit, Edited& edited) {
+  const Call call = edit.prepare(edited);
+  allocationsUntilFailure = allocation;
+  bool failed = false;
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::OutOfMemory);
+    failed = true;
+  } catch (const std::bad_alloc&) {
+    ADD_FAILURE() << "std::bad_alloc for allocation " << allocation;
+    failed = true;
+  }
+  const bool hasFewer = std::exchange(allocationsUntilFailure, 0) != 0;
+  return failed ? Outcome::Fails : hasFewer ? Outcome::HasFewer : Outcome::SucceedsWithout;
+}
+
+class OutOfMemory : public testing::TestWithParam<Edit> {};
+
+TEST_P(OutOfMemory, LeavesTheSceneUnchanged) {
+  const app::Folder folder;
+  const Edit& edit = GetParam();
+  std::string before, after;
+  {
+    Edited undisturbed;
+    before = stateOf(undisturbed, folder.path());
+    edit.prepare(undisturbed)();
+    after = stateOf(undisturbed, folder.path());
+  }
+  for (int allocation = 1; allocation < 2000; ++allocation) {
+    Edited edited;
+    const Outcome outcome = outcomeOf(allocation, edit, edited);
+    if (outcome == Outcome::HasFewer) return;
+    if (outcome == Outcome::Fails) {
+      if (!edit.mayBePartial) ASSERT_TRUE(stateOf(edited, folder.path()) == before) << "allocation " << allocation;
+      edit.prepare(edited)();
+    }
+    ASSERT_TRUE(stateOf(edited, folder.path()) == after) << "allocation " << allocation;
+  }
+  FAIL() << "the edit never succeeds";
+}
+
+// The renderer existed before the failures.
+TEST_P(OutOfMemory, LeavesRenderersUpToDate) {
+  Edited edited;
+  Renderer renderer(edited.scene, latelight::test::testDevice());
+  Options options;
+  options.width = options.height = 16;
+  const Camera camera = edited.scene.cameras().front();
+  renderer.render(camera, options);
+  for (int allocation = 1; allocation < 2000; ++allocation)
+    if (outcomeOf(allocation, GetParam(), edited) != Outcome::Fails) break;
+  Renderer other(edited.scene, latelight::test::testDevice());
+  EXPECT_TRUE(renderer.render(camera, options).rgba == other.render(camera, options).rgba);
+}
+
+INSTANTIATE_TEST_SUITE_P(Edits, OutOfMemory, testing::ValuesIn(kEdits),
+                         [](const testing::TestParamInfo<Edit>& edit) { return std::string(edit.param.name); });
+
+}  // namespace
+}  // namespace latelight
