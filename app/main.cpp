@@ -274,6 +274,7 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   otherwise = std::set_terminate(endWithoutMemory);
   handleFatalSignals();
+  showProgress(true);
   const int code = run(argc, argv);
   // Text is written when its buffer is flushed, so a full disk may only be reported here.
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;

@@ -31,6 +31,12 @@ namespace latelight {
 // The library's version, such as "0.1.0".
 LATELIGHT_API const char* version();
 
+// Sends the warnings of this process to a function instead of standard error: each is one sentence, without a line
+// break and safe to print. The function receives every warning, whereas standard error receives each sentence once. A
+// function that does nothing silences warnings, and an empty one restores the default. Any thread may call it, also
+// several at a time. It must not throw, and of the library it may call only setWarningHandler().
+LATELIGHT_API void setWarningHandler(std::function<void(const std::string& sentence)> handler);
+
 // Limits the machine's memory, in bytes, that this process may use for scenes, pictures and devices that run on the
 // CPU. An operation that would exceed the limit throws Error(OutOfMemory) before it allocates. 0, the default, is three
 // quarters of the free memory.

@@ -1,5 +1,6 @@
 #include "base/log.h"
 
+#include <latelight/latelight.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,6 +9,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <functional>
+#include <memory>
 #include <mutex>
 #include <unordered_set>
 #include <utility>
@@ -24,9 +27,12 @@ constexpr auto kInterval = std::chrono::milliseconds(100);  // interval between 
 constexpr int kBarWidth = 30;                               // characters
 constexpr const char* kClearLine = "\r\x1b[K";
 
-std::atomic<bool> quiet = false;
+using WarningHandler = std::function<void(const std::string&)>;
+
+std::atomic<bool> quiet = false, showsProgress = false;
 ForkSafeMutex terminal;  // held while writing to standard error
 int visibleBars = 0;     // number of bars on the terminal's last line (guarded by `terminal`)
+std::shared_ptr<const WarningHandler> warningHandler;  // null: standard error (guarded by `terminal`)
 thread_local std::vector<std::string>* capture = nullptr;
 
 bool isTerminal() {
@@ -73,7 +79,12 @@ void warn(const std::string& sentence) {
     return;
   }
   static std::unordered_set<std::string> logged;
-  std::lock_guard lock(terminal);
+  std::unique_lock lock(terminal);
+  if (const std::shared_ptr<const WarningHandler> handler = warningHandler) {
+    lock.unlock();
+    (*handler)(printable(sentence));
+    return;
+  }
   if (!logged.insert(sentence).second) return;
   const bool color = wantsColor();
   const std::string line = fmt::format("{}{}warning:{} {}\n", visibleBars ? kClearLine : "", color ? "\x1b[33m" : "",
@@ -94,6 +105,16 @@ void record(const std::string& sentence) {
 
 void setQuiet(bool value) {
   quiet = value;
+}
+
+void showProgress(bool shown) {
+  showsProgress = shown;
+}
+
+void setWarningHandler(WarningHandler handler) {
+  auto shared = handler ? std::make_shared<const WarningHandler>(std::move(handler)) : nullptr;
+  std::lock_guard lock(terminal);
+  warningHandler.swap(shared);
 }
 
 struct Progress::State {
@@ -118,7 +139,7 @@ struct Progress::State {
 };
 
 Progress::Progress(std::string_view what, uint64_t total, double silence)
-    : state_(quiet || total == 0 || !isTerminal()
+    : state_(quiet || !showsProgress || total == 0 || !isTerminal()
                  ? nullptr
                  : new State{printable(what), total,
                              std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(silence))}) {}

@@ -15,7 +15,8 @@ namespace latelight {
 // and paragraph separators, bidirectional controls) and bytes that are not UTF-8 become "?".
 std::string printable(std::string_view text);
 
-// Prints "warning: <sentence>" on standard error, each sentence only once per process. Thread-safe.
+// Prints "warning: <sentence>" on standard error, each sentence only once per process, or calls the function of
+// setWarningHandler() in the public header. Thread-safe.
 void warn(const std::string& sentence);
 template <typename... Args>
 void warn(fmt::format_string<Args...> format, Args&&... args) {
@@ -38,8 +39,12 @@ class WarningCapture {
 // Implements --quiet: no warnings, no progress bars, no journal.
 void setQuiet(bool quiet);
 
-// A progress bar on standard error during its lifetime. It prints nothing if standard error is not a terminal, nor for
-// the first `silence` seconds, because short work needs no bar. step() may be called from any thread.
+// Displays progress bars, or not, which is the default: only the program draws on the terminal, not the library.
+void showProgress(bool shown);
+
+// A progress bar on standard error during its lifetime. It prints nothing unless bars are shown and standard error is
+// a terminal, nor for the first `silence` seconds, because short work needs no bar. step() may be called from any
+// thread.
 class Progress {
  public:
   Progress(std::string_view what, uint64_t total, double silence = 0.3);

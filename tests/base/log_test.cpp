@@ -3,12 +3,14 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <latelight/latelight.h>
 #include <pty.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace latelight {
 namespace {
@@ -42,6 +44,7 @@ std::string onTerminal(const std::function<void()>& call) {
 
 // Half of some work that displays no bar for the first `silence` seconds.
 void work(double silence) {
+  showProgress(true);
   Progress progress("loading", 100, silence);
   progress.step(50);
 }
@@ -90,6 +93,35 @@ TEST(Warn, IsColouredOnTerminalsUnlessNoColorIsSet) {
   unsetenv("NO_COLOR");
 }
 
+TEST(Warn, CallsTheHandlerWithEveryWarningInsteadOfWriting) {
+  std::vector<std::string> heard;
+  const auto say = [] {
+    warn("a bell\a {}", "rings");
+    warn("a bell\a {}", "rings");
+  };
+  setWarningHandler([&](const std::string& sentence) { heard.push_back(sentence); });
+  EXPECT_EQ(capture(say), "");
+  EXPECT_THAT(heard, testing::ElementsAre("a bell? rings", "a bell? rings"));
+  setWarningHandler({});
+  EXPECT_EQ(capture(say), "warning: a bell? rings\n");
+  EXPECT_EQ(heard.size(), 2u);
+}
+
+TEST(Warn, HandlersMayReplaceThemselves) {
+  setWarningHandler([](const std::string&) { setWarningHandler({}); });
+  EXPECT_EQ(capture([] { warn("the first"); }), "");
+  EXPECT_EQ(capture([] { warn("the second"); }), "warning: the second\n");
+}
+
+TEST(Progress, IsNotShownByALibrary) {
+  showProgress(false);
+  EXPECT_EQ(onTerminal([] {
+              Progress progress("loading", 100, 0);
+              progress.step(50);
+            }),
+            "");
+}
+
 TEST(Progress, IsForTerminalsOnly) {
   EXPECT_EQ(capture([] { work(0); }), "");
 }
@@ -111,6 +143,7 @@ TEST(Progress, IsSilentWhenQuiet) {
 }
 
 TEST(Progress, TakesATotalOfZeroAndTooManySteps) {
+  showProgress(true);
   EXPECT_EQ(onTerminal([] { Progress("nothing", 0, 0).step(); }), "");
   const std::string text = onTerminal([] {
     Progress progress("more", 1, 0);
