@@ -129,18 +129,18 @@ enum class AlphaMode { Opaque, Mask, Blend };
 
 // glTF's metallic-roughness material. Factors multiply the material's textures.
 struct Material {
-  std::string name;  // set by addMaterial(); setMaterial() does not change it
-  uint32_t id = 0;   // value of the output "material"; assigned by the scene
-  std::array<float, 4> baseColor{1, 1, 1, 1};
-  float metallic = 1, roughness = 1;       // 0 to 1
-  std::array<float, 3> emissive{0, 0, 0};  // radiance; may be above 1
+  std::string name;                            // set by addMaterial(); setMaterial() does not change it
+  uint32_t id = 0;                             // value of the output "material"; assigned by the scene
+  std::array<float, 4> baseColor{1, 1, 1, 1};  // at least 0; may be above 1, which files cannot store: exports limit it
+  float metallic = 1, roughness = 1;           // 0 to 1
+  std::array<float, 3> emissive{0, 0, 0};      // radiance; may be above 1
   AlphaMode alphaMode = AlphaMode::Opaque;
   float alphaCutoff = 0.5f;  // with AlphaMode::Mask: surfaces with less alpha are discarded
   bool doubleSided = false, unlit = false;
-  float normalScale = 1;        // factor of the normal map's slopes
-  float occlusionStrength = 1;  // 0 to 1
-  float specular = 1;           // KHR_materials_specular
-  std::array<float, 3> specularColor{1, 1, 1};
+  float normalScale = 1;                        // factor of the normal map's slopes
+  float occlusionStrength = 1;                  // 0 to 1
+  float specular = 1;                           // of KHR_materials_specular, 0 to 1
+  std::array<float, 3> specularColor{1, 1, 1};  // at least 0; may be above 1
   float f0 = 0.04f;  // reflectance of a dielectric at normal incidence: ((ior - 1) / (ior + 1))^2
   // Coats and transmission of the KHR_materials_* extensions. Strengths, roughness and colors are from 0 to 1. A
   // strength of 0 disables the layer.

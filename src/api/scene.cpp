@@ -159,8 +159,8 @@ std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, 
 
 Camera Scene::defaultCamera(float aspect, std::optional<double> time, const std::string& animation, bool loop) const
     try {
-  if (!filled().cameras.empty()) return time ? camerasAt(*time, animation, loop).front() : filled().cameras.front();
   if (!(aspect > 0) || !std::isfinite(aspect)) badUsage("a picture's aspect must be a number above 0, not {}", aspect);
+  if (!filled().cameras.empty()) return time ? camerasAt(*time, animation, loop).front() : filled().cameras.front();
   return publicCamera(scene::frameScene(filled().scene, aspect), filled().scene);
 } catch (const std::bad_alloc&) {
   failWithoutMemory(kSceneMemory);

@@ -22,6 +22,8 @@ uint64_t elementBytes(const WorldArray& array) {
 }
 
 void checkWorldArray(const WorldArray& array, ElementKind kind, const vk::Device& device, const std::string& name) {
+  if (static_cast<size_t>(array.element) > static_cast<size_t>(WorldArray::Element::Int64))
+    badUsage("{} has unknown elements {}: choose one of WorldArray::Element", name, static_cast<int>(array.element));
   constexpr const char* kElements[] = {"Float32 or Float64", "Uint8", "Int32 or Int64"};
   if (kindOf(array.element) != kind)
     badUsage("{} must have elements of the type {}", name, kElements[static_cast<size_t>(kind)]);

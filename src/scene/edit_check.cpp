@@ -24,7 +24,10 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // Throws unless the value is within [low, high]. An infinite bound is exclusive.
 void checkRange(float value, float low, float high, const char* what, const std::string& owner) {
   if (std::isfinite(value) && value >= low && value <= high) return;
-  if (high == kInfinity) badUsage("the {} of {} must be a number of at least {}, not {}", what, owner, low, value);
+  if (high == kInfinity && low == -kInfinity)
+    badUsage("the {} of {} must be a finite number, not {}", what, owner, value);
+  if (high == kInfinity)
+    badUsage("the {} of {} must be a finite number of at least {}, not {}", what, owner, low, value);
   badUsage("the {} of {} must be between {} and {}, not {}", what, owner, low, high, value);
 }
 
@@ -116,7 +119,7 @@ void checkMaterial(const Scene& scene, const Material& material) {
   checkRange(m.occlusionStrength, 0, 1, "occlusion strength", owner);
   checkRange(m.alphaCutoff, 0, kInfinity, "alpha cutoff", owner);
   checkRange(numbers(m.specularColor), 0, kInfinity, "specular color", owner);
-  checkRange(m.specular, 0, kInfinity, "specular strength", owner);
+  checkRange(m.specular, 0, 1, "specular strength", owner);
   checkRange(m.f0, 0, 1, "reflectance f0", owner);
   checkLayers(m.layers, owner);
   constexpr uint32_t kBoth = shared::kMaterialMasked | shared::kMaterialBlended;

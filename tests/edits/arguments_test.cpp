@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -119,6 +120,31 @@ TEST(Arguments, UnknownEnumeratorsAreRejected) {
   Renderer renderer(scene, test::testDevice());
   EXPECT_THAT(errorOf([&] { renderer.submit({scene.defaultCamera(1)}, {}, static_cast<Results>(9)); }),
               HasSubstr("no results 9"));
+}
+
+TEST(Arguments, ArraysOfWorldsHaveKnownElements) {
+  Scene scene("builtin:boxes");
+  Renderer renderer(scene, latelight::test::testDevice());
+  const std::array<double, 3> down{0, 0, -1};
+  for (const int element : {-1, 5, 100}) {
+    const WorldArray unknown{.element = static_cast<WorldArray::Element>(element), .host = down.data()};
+    Worlds worlds;
+    worlds.count = 1;
+    EXPECT_EQ(
+        errorOf([&] { renderer.cast(worlds, {.origins = unknown, .directions = unknown, .count = 1}, {"distance"}); }),
+        fmt::format("WorldRays::origins has unknown elements {}: choose one of WorldArray::Element", element));
+  }
+}
+
+TEST(Arguments, DefaultCamerasCheckTheAspectAlsoIfTheSceneHasCameras) {
+  Scene scene("builtin:boxes");
+  const auto check = [&] {
+    for (const float aspect : {0.0f, -1.0f, kInfinity, std::numeric_limits<float>::quiet_NaN()})
+      EXPECT_THAT(errorOf([&] { scene.defaultCamera(aspect); }), HasSubstr("aspect must be a number above 0"));
+  };
+  check();
+  scene.addCamera(scene.lookAt({0, 0, 3}, {0, 0, 0}));
+  check();
 }
 
 TEST(Arguments, MeshesHavePositions) {

@@ -243,7 +243,9 @@ TEST(SceneEdit, RefusesMaterials) {
   EXPECT_THAT(data(&M::roughness, kNaN), HasSubstr("roughness"));
   EXPECT_THAT(data(&M::baseColor, vec4(0, -1, 0, 1)), HasSubstr("base color"));
   EXPECT_THAT(data(&M::emissive, vec3(0, 0, kNaN)), HasSubstr("emitted light"));
-  EXPECT_THAT(data(&M::normalScale, kNaN), HasSubstr("normal scale"));
+  EXPECT_EQ(data(&M::normalScale, kNaN), "the normal scale of the material \"metal\" must be a finite number, not nan");
+  EXPECT_EQ(data(&M::specular, 1.5f),
+            "the specular strength of the material \"metal\" must be between 0 and 1, not 1.5");
   EXPECT_THAT(data(&M::alphaCutoff, -1.0f), HasSubstr("alpha cutoff"));
   EXPECT_THAT(data(&M::f0, 2.0f), HasSubstr("f0"));
   const auto layer = [&](auto member, auto value) {
@@ -270,7 +272,7 @@ TEST(SceneEdit, RefusesLights) {
     return sentence;
   };
   EXPECT_EQ(refused(&Light::intensity, -2.0f),
-            "the intensity of the light \"spot\" must be a number of at least 0, not -2");
+            "the intensity of the light \"spot\" must be a finite number of at least 0, not -2");
   EXPECT_THAT(refused(&Light::position, vec3(kNaN)), HasSubstr("position"));
   EXPECT_THAT(refused(&Light::direction, vec3(0)), HasSubstr("length 1"));
   EXPECT_THAT(refused(&Light::color, vec3(1, -1, 1)), HasSubstr("color"));
