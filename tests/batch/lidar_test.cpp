@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "batch/sets.h"
 
@@ -206,6 +208,41 @@ TEST(Lidar, IsMountedOnItsCamera) {
   format["mount"] = {{"pose", {{0, 0, -1, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}, {0, 0, 0, 1}}}};
   ASSERT_EQ(scan(folder, standing(12), format, {"-o", "turned"}).code, 0);
   for (const Point& p : pointsIn(folder.read("turned/lidar/000000.ply"))) EXPECT_NEAR(p.y, -12, 12e-6);
+}
+
+// KITTI's calibration is the sensor's mount: by hand, and by points that it maps to the wall. The camera looks along -Z
+// at the wall at a distance of 12 m, at z = 0.
+TEST(Lidar, KittisCalibrationIsItsMount) {
+  const auto calibration = [](const json& formats) {
+    Folder folder;
+    writeWall(folder);
+    folder.write("job.json", std::string_view(json{{"cameras", standing(12)}, {"formats", formats}}.dump()));
+    const Outcome outcome = latelight(batch(folder, {"job.json", "--scenes", "wall.gltf", "-o", "set"}));
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+    const std::string text = folder.read("set/calib/000000.txt");
+    const size_t at = text.find("Tr_velo_to_cam:");
+    std::istringstream in(text.substr(std::min(text.size(), at + 15)));
+    std::array<double, 12> m{};
+    for (double& value : m) in >> value;
+    EXPECT_TRUE(in) << text;
+    const std::string points = folder.read("set/velodyne/000000.bin");
+    EXPECT_GT(points.size(), 1000u);
+    for (size_t i = 0; i + 16 <= points.size(); i += 16) {
+      std::array<float, 3> p;
+      std::memcpy(p.data(), points.data() + i, sizeof(p));
+      EXPECT_NEAR(m[8] * p[0] + m[9] * p[1] + m[10] * p[2] + m[11], 12, 12e-6);
+    }
+    return m;
+  };
+  const json lidar{
+      {"format", "lidar"}, {"sensor", kExact}, {"as", "bin"}, {"file", "velodyne/{name}.bin"}, {"scans", "a.json"}};
+  json shifted = lidar, turned = lidar, second = lidar;
+  shifted["mount"] = {{"translation", {0.5, -1, -2}}};
+  EXPECT_THAT(calibration({"kitti", shifted}), testing::ElementsAre(0, -1, 0, 0.5, 0, 0, -1, -1, 1, 0, 0, -2));
+  // Turned to the left by 90 degrees: the sensor's X is the camera's -X.
+  turned["mount"] = {{"pose", {{0, 0, -1, 0}, {0, 1, 0, 3}, {1, 0, 0, 0}, {0, 0, 0, 1}}}};
+  second["file"] = "second/{name}.bin", second["scans"] = "b.json";
+  EXPECT_THAT(calibration({turned, "kitti", second}), testing::ElementsAre(-1, 0, 0, 0, 0, 0, -1, 3, 0, -1, 0, 0));
 }
 
 TEST(Lidar, PositionsInTheWorldAreRelativeToTheOrigin) {

@@ -174,3 +174,5 @@ TEST_F(AnnotationsTest, KittiRejectsOtherCameras) {
 
 }  // namespace
 }  // namespace latelight::data::test
+  // Without a lidar, X forward, Y left and Z up of KITTI's Velodyne are Z, -X and -Y of the camera.
+  EXPECT_THAT(calibration, HasSubstr("\nTr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n"));

@@ -12,6 +12,7 @@
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/geometry.h"
+#include "data/formats/lidar_sensor.h"
 #include "data/formats/names.h"
 #include "data/formats/options.h"
 #include "data/formats/picture_file.h"
@@ -79,7 +80,7 @@ class Kitti : public Format {
         text += describe(asWord(category), object, mask->second, uprightOf(object, cameraFromWorld));
     }
     writeOf(record, folder, frameFile(labels_, frame), std::as_bytes(std::span(text)));
-    const std::string calibration = calibrationOf(frame.metadata.camera.intrinsics);
+    const std::string calibration = calibrationOf(frame);
     writeOf(record, folder, frameFile(calibrations_, frame), std::as_bytes(std::span(calibration)));
   }
 
@@ -110,14 +111,22 @@ class Kitti : public Format {
   }
 
   // KITTI's centers of pixels are whole numbers, which moves the principal point by half a pixel.
-  static std::string calibrationOf(const std::array<double, 9>& k) {
+  static std::string calibrationOf(const DataFrame& frame) {
+    const std::array<double, 9>& k = frame.metadata.camera.intrinsics;
     const std::string camera =
         fmt::format("{:.9g} 0 {:.9g} 0 0 {:.9g} {:.9g} 0 0 0 1 0", k[0], k[2] - 0.5, k[4], k[5] - 0.5);
     std::string text;
     for (int i = 0; i < 4; ++i) text += fmt::format("P{}: {}\n", i, camera);
-    return text +
-           "R0_rect: 1 0 0 0 1 0 0 0 1\nTr_velo_to_cam: 1 0 0 0 0 1 0 0 0 0 1 0\nTr_imu_to_velo: "
-           "1 0 0 0 0 1 0 0 0 0 1 0\n";
+    text += "R0_rect: 1 0 0 0 1 0 0 0 1\nTr_velo_to_cam:";
+    const glm::dmat4 cameraFromLidar = cameraFromLidarOf(frame);
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column) text += fmt::format(" {:.9g}", cameraFromLidar[column][row] + 0.0);
+    return text + "\nTr_imu_to_velo: 1 0 0 0 0 1 0 0 0 0 1 0\n";
+  }
+
+  // The mount of the job's first lidar. If the job has none, KITTI's axes at the camera's position.
+  static glm::dmat4 cameraFromLidarOf(const DataFrame& frame) {
+    return frame.scans.empty() ? cameraFromSensorAxes() : frame.scans.front().request->cameraFromSensor;
   }
 
   Categories categories_;

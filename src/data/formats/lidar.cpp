@@ -24,11 +24,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr uint32_t kSlices = 10;
 
-// X right, Y down and Z forward, from X forward, Y left and Z up.
-glm::dmat4 cameraFromSensorAxes() {
-  return glm::dmat4(glm::dvec4(0, 0, 1, 0), glm::dvec4(-1, 0, 0, 0), glm::dvec4(0, -1, 0, 0), glm::dvec4(0, 0, 0, 1));
-}
-
 // Reads the sensor's pose on the camera, in OpenCV's camera frame, as for the members of a rig.
 glm::dmat4 readMount(const Json& value) {
   Spec spec(value, "mount");

@@ -89,6 +89,10 @@ void readProperties(Spec& spec, lidar::Properties& p) {
 
 }  // namespace
 
+glm::dmat4 cameraFromSensorAxes() {
+  return glm::dmat4(glm::dvec4(0, 0, 1, 0), glm::dvec4(-1, 0, 0, 0), glm::dvec4(0, -1, 0, 0), glm::dvec4(0, 0, 0, 1));
+}
+
 lidar::Sensor readSensor(const Json& value) {
   if (value.is_string()) return lidar::sensorNamed(value.get<std::string>());
   if (!value.is_object()) badUsage("sensor takes the name of a sensor, or an object with its \"type\"");
