@@ -60,6 +60,49 @@ TEST(FormatsOfABatch, WhatHoldsCamerasIsReadAgainAsTheSameViews) {
   }
 }
 
+// A scene and variation has files of its own, because its images differ from those of the others at the same cameras.
+TEST(FormatsOfABatch, TransformsOfEachSceneAndVariation) {
+  Folder folder;
+  const auto render = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"--scenes",  "builtin:boxes",
+                                       "--scenes",  "builtin:spheres",
+                                       "--cameras", R"({"type": "orbit", "count": 2, "distance": 8})",
+                                       "--formats", R"({"format": "transforms", "points": 4})",
+                                       "--name",    "{scene}-{variation}-{camera}",
+                                       "-o",        "set"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = latelight(batch(folder, arguments));
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+  };
+  const auto expectSet = [&](int repeat) {
+    const auto set = filesOf(folder, "set");
+    std::set<std::string> files, expected;
+    for (const auto& [name, contents] : set)
+      if (name.find('/') == std::string::npos && name != "manifest.json") files.insert(name);
+    std::set<std::string> images;
+    for (int state = 0; state < 2 * repeat; ++state) {
+      const std::string suffix = state == 0 ? "" : fmt::format("-{}", state);
+      const std::string prefix = fmt::format("images/{}-{}-", state < repeat ? "boxes" : "spheres", state % repeat);
+      const auto file = set.find("transforms" + suffix + ".json");
+      ASSERT_NE(file, set.end()) << suffix;
+      const auto json = nlohmann::json::parse(file->second);
+      EXPECT_EQ(json["ply_file_path"], "sparse_pc" + suffix + ".ply");
+      ASSERT_EQ(json["frames"].size(), 2u);
+      for (const nlohmann::json& frame : json["frames"]) {
+        const auto image = frame["file_path"].get<std::string>();
+        EXPECT_THAT(image, testing::StartsWith(prefix));
+        EXPECT_TRUE(images.insert(image).second && set.contains(image)) << image;
+      }
+      expected.insert({"transforms" + suffix + ".json", "sparse_pc" + suffix + ".ply"});
+    }
+    EXPECT_EQ(files, expected);
+  };
+  render({"--repeat", "2"});
+  expectSet(2);
+  render({"--repeat", "1", "--resume"});
+  expectSet(1);
+}
+
 TEST(FormatsOfABatch, PatternsMayRepeatTheName) {
   Folder folder;
   const Outcome outcome =
@@ -468,6 +511,12 @@ TEST(FormatsOfABatch, CamerasAreCheckedBeforeTheyAreRendered) {
   const std::string different =
       R"([{"type": "orbit", "count": 1, "fov": 40}, {"type": "orbit", "count": 1, "fov": 50}])";
   expectRejected(plan("scannet", different), "one camera matrix and size per scan");
+  const std::string mixed =
+      "[" + listOf(R"("fov": 50)") + ", " +
+      listOf(
+          R"("K": [[30, 0, 16], [0, 30, 12], [0, 0, 1]], "size": [32, 24], "model": "fisheye", "distortion": [0.1])") +
+      "]";
+  expectRejected(plan("transforms", mixed), "the format transforms has one camera_model for all frames");
   const std::string path = R"({"type": "path", "count": 3, "keys": [{"eye": [3, 1, 3], "target": [0, 1, 0]},
                                                                              {"eye": [4, 1, 3], "target": [0, 1, 0]}]})";
   expectRejected(plan("flow", path, {"--readout", "0.01"}), "--readout renders each row by itself");

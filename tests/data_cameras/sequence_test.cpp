@@ -166,6 +166,8 @@ TEST(ModelsTest, NerfstudiosRadialOnesAreOpenCvs) {
   EXPECT_NEAR(pixel->x, 32 + 50 * 0.5 * (1 + 0.1 * 0.25 + 0.2 * 0.0625), 1e-9);
   for (const char* model : {"SIMPLE_PINHOLE", "PINHOLE", "OPENCV", "OPENCV_FISHEYE", "EQUIRECTANGULAR"})
     EXPECT_GT(lens(fmt::format(R"("camera_model": "{}")", model)).width, 0) << model;
+  EXPECT_EQ(lens(R"("is_fisheye": true)").model, scene::LensModel::Fisheye);  // keys of instant-ngp
+  EXPECT_EQ(lens(R"("latlong": true)").model, scene::LensModel::Equirectangular);
   EXPECT_THAT(sentenceOf([&] { lens(R"("camera_model": "FISHEYE624")"); }, ExitCode::BadInput),
               testing::HasSubstr("give OPENCV, SIMPLE_RADIAL, RADIAL"));
 }

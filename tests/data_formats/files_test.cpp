@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <functional>
 
 #include "data/cameras/transforms.h"
 #include "data_formats/support.h"
@@ -210,39 +211,139 @@ TEST_F(FormatFilesTest, TransformsOfSeveralCameras) {
   EXPECT_FALSE(json("transforms.json")["frames"][0].contains("fl_x"));
 }
 
-// The transforms.json of a data set whose pictures are 64 pixels wide.
+// Lenses of pictures that are 64 pixels wide.
 const scene::Lens kLenses[] = {
     {scene::LensModel::OpenCv, 64, 36, 40, 41, 30, 19, {-0.2, 0.05, 0.001, -0.002, 0.01}},
     {scene::LensModel::Fisheye, 64, 36, 20, 21, 33, 17, {0.02, -0.01, 0.003, -0.001}},
     {scene::LensModel::Equirectangular, 64, 32},
 };
 
-// Cameras of transforms.json that are read back.
+Json ofFrameOrAll(const Json& set, const Json& frame, const char* key) {
+  return set.contains(key) ? set[key] : frame.value(key, Json(0));
+}
+
+// The intrinsics of a frame by the rules of nerfstudio's data parser: the model is that of all frames only; each other
+// value is that of all frames if they have it, and the distortion if they have any of it.
+Json nerfstudioLens(const Json& set, const Json& frame) {
+  Json lens{{"camera_model", set.value("camera_model", "none, a pinhole")}};
+  for (const char* key : {"fl_x", "fl_y", "cx", "cy", "h", "w"}) lens[key] = ofFrameOrAll(set, frame, key);
+  bool ofAll = false;
+  for (const char* key : {"k1", "k2", "k3", "p1", "p2"}) ofAll = ofAll || set.contains(key);
+  for (const char* key : {"k1", "k2", "k3", "k4", "p1", "p2"}) lens[key] = (ofAll ? set : frame).value(key, 0.0);
+  return lens;
+}
+
+// The intrinsics of a frame by the rules of instant-ngp's loader, which reads all frames' and then the frame's. Values
+// are combined only within one of the two: the center with the size, both focal lengths, and is_fisheye with the
+// distortion, without which it is ignored.
+Json instantNgpLens(const Json& set, const Json& frame) {
+  Json lens{{"mode", "pinhole"}, {"params", {0, 0, 0, 0}}, {"center", {0.5, 0.5}}, {"focal", {0, 0}}};
+  for (const Json* json : {&set, &frame}) {
+    const std::pair<const char*, size_t> kTerms[] = {{"k1", 0}, {"k2", 1}, {"k3", 2}, {"k4", 3}, {"p1", 2}, {"p2", 3}};
+    for (const auto& [key, place] : kTerms) {
+      if (!json->contains(key)) continue;
+      lens["params"][place] = (*json)[key];
+      if ((*json)[key] != 0) lens["mode"] = json->value("is_fisheye", false) ? "fisheye" : "opencv";
+    }
+    if (json->contains("cx")) lens["center"][0] = json->at("cx").get<double>() / json->at("w").get<double>();
+    if (json->contains("cy")) lens["center"][1] = json->at("cy").get<double>() / json->at("h").get<double>();
+    if (json->contains("latlong")) lens["mode"] = "latlong";
+    const double x = json->value("fl_x", 0.0), y = json->value("fl_y", 0.0);
+    if (x != 0 || y != 0) lens["focal"] = {x != 0 ? x : y, y != 0 ? y : x};
+  }
+  return lens;
+}
+
+void expectRead(const scene::Lens& lens, const Json& set, const Json& frame) {
+  const bool isSphere = lens.model == scene::LensModel::Equirectangular;
+  const bool isFisheye = lens.model == scene::LensModel::Fisheye;
+  const std::array<double, 8>& d = lens.distortion;
+  const Json nerfstudio = nerfstudioLens(set, frame), ngp = instantNgpLens(set, frame);
+  EXPECT_EQ(nerfstudio["camera_model"], isSphere ? "EQUIRECTANGULAR" : isFisheye ? "OPENCV_FISHEYE" : "OPENCV");
+  EXPECT_EQ(nerfstudio["w"], lens.width);
+  EXPECT_EQ(nerfstudio["h"], lens.height);
+  const bool isPinhole = d == std::array<double, 8>{};
+  EXPECT_EQ(ngp["mode"], isSphere ? "latlong" : isPinhole ? "pinhole" : isFisheye ? "fisheye" : "opencv");
+  if (isSphere) return;
+  EXPECT_EQ(nerfstudio["fl_x"], lens.fx);
+  EXPECT_EQ(nerfstudio["fl_y"], lens.fy);
+  EXPECT_EQ(nerfstudio["cx"], lens.cx);
+  EXPECT_EQ(nerfstudio["cy"], lens.cy);
+  const std::array<double, 6> terms =
+      isFisheye ? std::array{d[0], d[1], d[2], d[3], 0.0, 0.0} : std::array{d[0], d[1], d[4], 0.0, d[2], d[3]};
+  const char* const kKeys[] = {"k1", "k2", "k3", "k4", "p1", "p2"};
+  for (size_t i = 0; i < 6; ++i) EXPECT_EQ(nerfstudio[kKeys[i]], terms[i]) << kKeys[i];
+  for (size_t i = 0; i < 4; ++i) EXPECT_EQ(ngp["params"][i], d[i]) << i;
+  EXPECT_EQ(ngp["focal"], Json({lens.fx, lens.fy}));
+  EXPECT_EQ(ngp["center"], Json({lens.cx / lens.width, lens.cy / lens.height}));
+}
+
+// Cameras of transforms.json that are read back: by the camera source, and by the rules of the format's readers.
 TEST_F(FormatFilesTest, TransformsHoldLenses) {
   const scene::Scene scene = squares();
   Studio studio(device(), scene);
   const std::unique_ptr<Format> transforms = make("transforms", {{"depth", false}, {"write-pictures", false}});
-  std::vector<Json> entries;
-  const auto entryOf = [&](const std::optional<scene::Lens>& lens, uint32_t height) {
-    scene::Camera camera = render::test::frontPerspective(0.5f, 4);
-    camera.lens = lens;
-    return transforms->writeFrame(studio.frame(camera, 64, height, {transforms.get()}), folder).entry;
+  const auto& [opencv, fisheye, sphere] = kLenses;
+  const auto with = [](scene::Lens lens, const std::function<void(scene::Lens&)>& change) {
+    change(lens);
+    return lens;
   };
-  for (const scene::Lens& lens : kLenses) {
-    const Json entry = entryOf(lens, static_cast<uint32_t>(lens.height));
-    transforms->writeSet({std::vector{entry, entry}}, folder);
-    EXPECT_TRUE(json("transforms.json").contains("camera_model"));
-    EXPECT_FALSE(json("transforms.json")["frames"][0].contains("camera_model"));
-    for (const CalibratedCamera& camera : readTransforms(folder / "transforms.json")) EXPECT_EQ(camera.lens, lens);
-    entries.push_back(entry);
+  const std::vector<scene::Lens> sets[] = {
+      {opencv, opencv},
+      {fisheye, fisheye},
+      {sphere, sphere},
+      {fisheye, with(fisheye, [](auto& lens) { lens.distortion[0] = 0.03; })},
+      {fisheye, with(fisheye, [](auto& lens) { lens.cx = 32.5; })},
+      {fisheye, with(fisheye, [](auto& lens) { lens.fx = 24, lens.distortion[3] = 0; })},
+      {opencv, with(opencv, [](auto& lens) { lens.fx = 38, lens.distortion[4] = 0; })},
+      {opencv, with(opencv, [](auto& lens) { lens.model = scene::LensModel::Pinhole, lens.distortion = {}; })},
+      {sphere, with(sphere, [](auto& lens) { lens.width = 48, lens.height = 24; })},
+  };
+  for (const std::vector<scene::Lens>& lenses : sets) {
+    SCOPED_TRACE(&lenses - sets);
+    std::vector<Json> entries;
+    for (const scene::Lens& lens : lenses) {
+      scene::Camera camera = render::test::frontPerspective(0.5f, 4);
+      camera.lens = lens;
+      const auto [width, height] = std::pair(static_cast<uint32_t>(lens.width), static_cast<uint32_t>(lens.height));
+      entries.push_back(transforms->writeFrame(studio.frame(camera, width, height, {transforms.get()}), folder).entry);
+    }
+    transforms->writeSet({entries}, folder);
+    const Json set = json("transforms.json");
+    for (const char* key : {"camera_model", "fl_x", "w", "k1"})
+      if (lenses[0] == lenses[1] && lenses[0].model != scene::LensModel::Equirectangular) {
+        EXPECT_TRUE(set.contains(key) && !set["frames"][0].contains(key)) << key;
+      }
+    const std::vector<CalibratedCamera> cameras = readTransforms(folder / "transforms.json");
+    ASSERT_EQ(cameras.size(), lenses.size());
+    for (size_t i = 0; i < cameras.size(); ++i) {
+      SCOPED_TRACE(i);
+      EXPECT_EQ(cameras[i].lens, lenses[i]);
+      expectRead(lenses[i], set, set["frames"][i]);
+    }
   }
-  entries.push_back(entryOf({}, 36));
-  transforms->writeSet({entries}, folder);
-  for (const char* key : {"camera_model", "k1", "k3", "p1"}) EXPECT_FALSE(json("transforms.json").contains(key)) << key;
-  const std::vector<CalibratedCamera> mixed = readTransforms(folder / "transforms.json");
-  ASSERT_EQ(mixed.size(), 4u);
-  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(mixed[i].lens, kLenses[i]);
-  EXPECT_EQ(mixed[3].lens->model, scene::LensModel::Pinhole);
+}
+
+// Readers of the format have one model for all frames.
+TEST_F(FormatFilesTest, TransformsHaveOneModel) {
+  const scene::Scene scene = squares();
+  Studio studio(device(), scene);
+  const std::unique_ptr<Format> transforms = make("transforms", {{"depth", false}, {"write-pictures", false}});
+  const auto frameOf = [&](const char* name, const std::optional<scene::Lens>& lens) {
+    scene::Camera camera = render::test::frontPerspective(0.5f, 4);
+    camera.name = name;
+    camera.lens = lens;
+    return studio.frame(camera, 64, 36, {transforms.get()});
+  };
+  const DataFrame pinhole = frameOf("narrow", {}), opencv = frameOf("bent", kLenses[0]),
+                  fisheye = frameOf("wide", kLenses[1]);
+  EXPECT_NO_THROW(transforms->checkTogether(pinhole, opencv));
+  EXPECT_NO_THROW(transforms->checkTogether(fisheye, fisheye));
+  for (const DataFrame* other : {&pinhole, &opencv})
+    EXPECT_THAT(sentence(ExitCode::Usage, [&] { transforms->checkTogether(fisheye, *other); }),
+                testing::HasSubstr("one camera_model for all frames, but that of the camera \"wide\" is OPENCV_FISHEYE "
+                                   "and that of \"" +
+                                   other->metadata.camera.name + "\" is OPENCV: "));
 }
 
 TEST_F(FormatFilesTest, LensesAreRefusedWhereThereAreNone) {

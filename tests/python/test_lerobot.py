@@ -46,7 +46,8 @@ def folder(tmp_path_factory):
 
 def poses(folder):
     """By episode: of each frame the poses of both cameras, (4, 4), from OpenCV's camera frame."""
-    frames = json.loads((folder / "set" / "transforms.json").read_text())["frames"]
+    files = [folder / "set" / name for name in ("transforms.json", "transforms-1.json")]
+    frames = [frame for file in files for frame in json.loads(file.read_text())["frames"]]
     matrices = np.array([frame["transform_matrix"] for frame in frames]) @ np.diag([1, -1, -1, 1])
     return matrices.reshape(2, 4, 2, 4, 4)
 

@@ -44,8 +44,10 @@ constexpr ModelName kModelNames[] = {{LensModel::OpenCv, "OPENCV"},
                                      {LensModel::Equirectangular, "EQUIRECTANGULAR"}};
 
 LensModel modelIn(const Json& source, const std::string& where) {
-  const auto fisheye = source.find("is_fisheye");  // a key of instant-ngp
+  // Keys of instant-ngp.
+  const auto fisheye = source.find("is_fisheye");
   if (fisheye != source.end() && *fisheye == true) return LensModel::Fisheye;
+  if (source.contains("latlong")) return LensModel::Equirectangular;
   const auto model = source.find("camera_model");
   if (model == source.end()) return LensModel::OpenCv;
   const std::string name = model->is_string() ? model->get<std::string>() : model->dump();
@@ -96,8 +98,8 @@ Lens lensIn(const Json& source, PictureSize size, const std::string& where) {
 // file may have any other keys.
 Json intrinsicsOf(const Json& all, const Json& frame) {
   Json merged = Json::object();
-  for (const char* key : {"camera_model", "is_fisheye", "w", "h", "fl_x", "fl_y", "camera_angle_x", "camera_angle_y",
-                          "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2"})
+  for (const char* key : {"camera_model", "is_fisheye", "latlong", "w", "h", "fl_x", "fl_y", "camera_angle_x",
+                          "camera_angle_y", "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2"})
     for (const Json* source : {&frame, &all})
       if (const auto found = source->find(key); found != source->end()) {
         merged[key] = *found;

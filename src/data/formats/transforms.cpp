@@ -1,5 +1,8 @@
 // The format "transforms": transforms.json of nerfstudio and instant-ngp, with pictures, depth and their cameras.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -23,7 +26,13 @@ using Json = nlohmann::ordered_json;
 constexpr double kStepsPerMetre = 1000;  // the default of nerfstudio
 
 Json opticsOf(const DataFrame& frame) {
-  if (frame.metadata.camera.lens) return transformsLens(*frame.metadata.camera.lens);
+  if (const auto& lens = frame.metadata.camera.lens) {
+    Json optics = transformsLens(*lens);
+    // instant-ngp does not read the model. Its "equirectangular" is another, equal-area projection.
+    if (lens->model == scene::LensModel::Fisheye) optics["is_fisheye"] = true;
+    if (lens->model == scene::LensModel::Equirectangular) optics["latlong"] = true;
+    return optics;
+  }
   const std::array<double, 9>& k = frame.metadata.camera.intrinsics;
   return {{"camera_model", "OPENCV"},
           {"fl_x", k[0]},
@@ -38,28 +47,41 @@ Json opticsOf(const DataFrame& frame) {
           {"p2", 0}};
 }
 
-bool isBending(const std::string& key) {
-  return key == "camera_model" || key[0] == 'k' || key[0] == 'p';
+// Readers find the keys of a group in one object: nerfstudio reads the model only of all frames, and the distortion
+// either of all frames or per frame; instant-ngp combines each of the other groups only within an object.
+constexpr int kGroups = 4;
+int groupOf(const std::string& key) {
+  if (key == "camera_model" || key == "latlong") return 0;
+  if (key == "fl_x" || key == "fl_y") return 1;
+  if (key == "cx" || key == "cy" || key == "w" || key == "h") return 2;
+  return 3;  // is_fisheye, k1 to k4, p1 and p2
 }
 
-// Returns the intrinsics that all frames share. The camera model and its distortion are either all included or all
-// excluded, because nerfstudio reads them from one position.
-Json commonOf(std::span<const Json> entries) {
-  const auto bendingOf = [](const Json& entry) {
-    Json some = Json::object();
+// Returns the intrinsics that all frames share: groups with equal values in all of them.
+Json commonOf(std::span<const Json* const> entries) {
+  const auto groupIn = [](const Json& entry, int group) {
+    Json part = Json::object();
     for (const auto& [key, value] : entry["optics"].items())
-      if (isBending(key)) some[key] = value;
-    return some;
+      if (groupOf(key) == group) part[key] = value;
+    return part;
   };
-  Json common = Json::object();
-  if (entries.empty()) return common;
-  const bool sameDistortion =
-      std::ranges::all_of(entries, [&](const Json& e) { return bendingOf(e) == bendingOf(entries[0]); });
-  for (const auto& [key, value] : entries[0]["optics"].items()) {
-    const auto same = [&](const Json& entry) { return entry["optics"].value(key, Json()) == value; };
-    if (isBending(key) ? sameDistortion : std::ranges::all_of(entries, same)) common[key] = value;
+  std::array<bool, kGroups> isShared{};
+  for (int group = 0; group < kGroups; ++group) {
+    const Json first = groupIn(*entries.front(), group);
+    isShared[static_cast<size_t>(group)] =
+        std::ranges::all_of(entries, [&](const Json* entry) { return groupIn(*entry, group) == first; });
   }
+  Json common = Json::object();
+  for (const auto& [key, value] : (*entries.front())["optics"].items())
+    if (isShared[static_cast<size_t>(groupOf(key))]) common[key] = value;
   return common;
+}
+
+// Returns the name of the file of the scene and variation with this number: a.json, a-1.json, a-2.json.
+std::string numbered(const std::string& file, uint64_t number) {
+  if (number == 0) return file;
+  const size_t dot = file.rfind('.');
+  return fmt::format("{}-{}{}", file.substr(0, dot), number, file.substr(dot));
 }
 
 // Returns the transform from OpenGL's camera frame (X right, Y up, Z backward) to the frame of the output `position`.
@@ -88,8 +110,8 @@ class Transforms : public Format {
   std::vector<FormatFile> files(const DataFrame& frame) const override {
     std::vector<FormatFile> files = picture_.files(frame);
     if (depth_) files.push_back({frameFile(depthFile_, frame), depthPngContents(output::Aov::Depth, kStepsPerMetre)});
-    files.push_back({.name = file_, .ofSet = true});
-    if (spacing_ > 0) files.push_back({.name = pointFile_, .ofSet = true});
+    files.push_back({.name = numbered(file_, frame.state), .ofSet = true});
+    if (spacing_ > 0) files.push_back({.name = numbered(pointFile_, frame.state), .ofSet = true});
     return files;
   }
 
@@ -100,6 +122,15 @@ class Transforms : public Format {
       badUsage("the format transforms cannot express the camera \"{}\": {}", camera.name, lack);
     if (spacing_ > 0 && camera.lens && camera.lens->model == scene::LensModel::Equirectangular)
       badUsage("points of the format transforms require cameras with depth along an axis, not \"{}\"", camera.name);
+  }
+
+  void checkTogether(const DataFrame& first, const DataFrame& other) const override {
+    const std::string a = opticsOf(first)["camera_model"], b = opticsOf(other)["camera_model"];
+    if (a != b)
+      badUsage(
+          "the format transforms has one camera_model for all frames, but that of the camera \"{}\" is {} and that of "
+          "\"{}\" is {}: choose cameras of one model, or render two data sets",
+          first.metadata.camera.name, a, other.metadata.camera.name, b);
   }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
@@ -114,59 +145,58 @@ class Transforms : public Format {
     }
     entry["transform_matrix"] = output::rowsOf(openGlPose(camera));
     writeExposure(entry, frame.exposure);
-    if (spacing_ > 0) {
-      record.entry["state"] = {frame.scene, frame.variation};
-      record.entry["view"] = describe(pointViewOf(frame));
-    }
+    record.entry["state"] = {frame.scene, frame.variation};
+    if (spacing_ > 0) record.entry["view"] = describe(pointViewOf(frame));
   }
 
-  // Intrinsics that all cameras share are written once.
-  std::vector<std::string> writeSet(const SetEntries& all, const std::filesystem::path& folder) const override {
-    const std::span<const Json> entries = all.frames;
-    const Json common = commonOf(entries);
-    Json set = common;
-    if (common.contains("fl_x") && common.contains("w") && common.value("camera_model", "") == "OPENCV")
-      set["camera_angle_x"] = 2 * std::atan(common["w"].get<double>() / (2 * common["fl_x"].get<double>()));
-    std::vector<std::string> written{file_};
-    if (spacing_ > 0) {
-      writeIn(folder, pointFile_, encodePly(pointsOf(entries, folder)));
-      written.push_back(pointFile_);
-      set["ply_file_path"] = pointFile_;
+  // Writes a file per scene and variation, because others look different from the same cameras.
+  std::vector<std::string> writeSet(const SetEntries& set, const std::filesystem::path& folder) const override {
+    std::map<std::pair<uint32_t, uint32_t>, std::vector<const Json*>> states;
+    for (const Json& entry : set.frames) states[{entry["state"][0], entry["state"][1]}].push_back(&entry);
+    std::vector<std::string> written;
+    uint64_t number = 0;
+    for (const auto& [state, entries] : states) {
+      const std::string pointFile = spacing_ > 0 ? numbered(pointFile_, number) : "";
+      if (spacing_ > 0) {
+        writeIn(folder, pointFile, encodePly(pointsOf(entries, folder)));
+        written.push_back(pointFile);
+      }
+      written.push_back(numbered(file_, number++));
+      writeJsonIn(folder, written.back(), describeFrames(entries, pointFile));
     }
-    Json& frames = set["frames"] = Json::array();
-    for (const Json& entry : entries) {
-      Json& frame = frames.emplace_back(entry["frame"]);
-      for (const auto& [key, value] : entry["optics"].items())
-        if (!common.contains(key)) frame[key] = value;
-    }
-    writeJsonIn(folder, file_, set);
     return written;
   }
 
  private:
-  // The points of each scene and variation, because others look different from the same cameras.
-  std::vector<ColmapPoint> pointsOf(std::span<const Json> entries, const std::filesystem::path& folder) const {
-    std::map<std::pair<uint32_t, uint32_t>, std::vector<const Json*>> states;
-    for (const Json& entry : entries) states[{entry["state"][0], entry["state"][1]}].push_back(&entry);
-    std::vector<ColmapPoint> all;
-    for (const auto& [state, frames] : states) {
-      std::vector<PointView> views;
-      for (const Json* entry : frames) views.push_back(pointView((*entry)["view"]));
-      const auto image = [&](size_t i, const char* key) {
-        return output::readImage(folder / (*frames[i])["frame"][key].get<std::string>());
-      };
-      const auto depth = [&](size_t i) {
-        const output::ReadImage steps = image(i, "depth_file_path");
-        std::vector<float> meters;
-        for (const double step : steps.channels.at(0).values)
-          meters.push_back(static_cast<float>(step * 65535 / kStepsPerMetre));
-        return meters;
-      };
-      std::vector<ColmapPoint> points =
-          findSparsePoints(views, spacing_, depth, [&](size_t i) { return image(i, "file_path"); });
-      all.insert(all.end(), std::make_move_iterator(points.begin()), std::make_move_iterator(points.end()));
+  static Json describeFrames(std::span<const Json* const> entries, const std::string& pointFile) {
+    const Json common = commonOf(entries);
+    Json set = common;
+    if (common.contains("fl_x") && common.contains("w") && common.value("camera_model", "") == "OPENCV")
+      set["camera_angle_x"] = 2 * std::atan(common["w"].get<double>() / (2 * common["fl_x"].get<double>()));
+    if (!pointFile.empty()) set["ply_file_path"] = pointFile;
+    Json& frames = set["frames"] = Json::array();
+    for (const Json* entry : entries) {
+      Json& frame = frames.emplace_back((*entry)["frame"]);
+      for (const auto& [key, value] : (*entry)["optics"].items())
+        if (!common.contains(key)) frame[key] = value;
     }
-    return all;
+    return set;
+  }
+
+  std::vector<ColmapPoint> pointsOf(std::span<const Json* const> entries, const std::filesystem::path& folder) const {
+    std::vector<PointView> views;
+    for (const Json* entry : entries) views.push_back(pointView((*entry)["view"]));
+    const auto image = [&](size_t i, const char* key) {
+      return output::readImage(folder / (*entries[i])["frame"][key].get<std::string>());
+    };
+    const auto depth = [&](size_t i) {
+      const output::ReadImage steps = image(i, "depth_file_path");
+      std::vector<float> meters;
+      for (const double step : steps.channels.at(0).values)
+        meters.push_back(static_cast<float>(step * 65535 / kStepsPerMetre));
+      return meters;
+    };
+    return findSparsePoints(views, spacing_, depth, [&](size_t i) { return image(i, "file_path"); });
   }
 
   std::string file_, depthFile_, pointFile_;
