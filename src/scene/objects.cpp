@@ -81,27 +81,44 @@ dvec3 scaleSignsOf(const Scene& scene, uint32_t node) {
   return handednessOf(stated ? stated->matrix : scene.nodes[node].local) < 0 ? kMirrored : dvec3(1);
 }
 
-// Returns true if all instances are those of one node, or of one copy of it.
-bool areOfOneNode(const Scene& scene, std::span<const uint32_t> instances) {
-  const Instance& first = scene.instances[instances.front()];
-  return std::ranges::all_of(instances, [&](uint32_t i) {
-    return scene.instances[i].node == first.node && scene.instances[i].copy == first.copy;
+bool hasChildInGroup(const Scene& scene, uint32_t node) {
+  return std::ranges::any_of(scene.nodes, [&](const Node& child) {
+    return child.parent == static_cast<int>(node) && child.id == scene.nodes[node].id;
   });
+}
+
+// Returns true if the object is a group of nodes, or of all copies of a node. That is determined by ids, because a
+// group may show only one of its instances. An instance at the topmost node of a group has its frame by itself, unless
+// joints move it.
+bool isGroup(const Scene& scene, std::span<const uint32_t> instances) {
+  return std::ranges::any_of(instances, [&](uint32_t i) {
+    const Instance& instance = scene.instances[i];
+    const bool isCopyInGroup = instance.copy >= 0 && instance.id == scene.nodes[instance.node].id;
+    return isCopyInGroup || topmost(scene, instance.node) != instance.node ||
+           (instance.posed && hasChildInGroup(scene, instance.node));
+  });
+}
+
+// Returns the signs of the scales of a node and of those above it, multiplied.
+dvec3 scaleSignsFrom(const Scene& scene, uint32_t node) {
+  dvec3 signs(1);
+  for (int i = static_cast<int>(node); i >= 0; i = scene.nodes[static_cast<size_t>(i)].parent)
+    signs *= scaleSignsOf(scene, static_cast<uint32_t>(i));
+  return signs;
 }
 
 }  // namespace
 
+dvec3 instanceScaleSigns(const Scene& scene, uint32_t instance) {
+  const Instance& i = scene.instances[instance];
+  if (i.posed) return dvec3(1);
+  const auto copy = scene.nodeCopies.find(i.node);
+  return copy != scene.nodeCopies.end() ? copy->second.scaleSigns : scaleSignsFrom(scene, i.node);
+}
+
 dvec3 objectScaleSigns(const Scene& scene, std::span<const uint32_t> instances) {
-  const Instance& first = scene.instances[instances.front()];
-  const bool isOne = areOfOneNode(scene, instances);
-  dvec3 signs(1);
-  if (isOne && first.posed) return signs;  // joints move it
-  if (const auto copy = scene.nodeCopies.find(first.node); copy != scene.nodeCopies.end())
-    return copy->second.scaleSigns;
-  for (int i = static_cast<int>(isOne ? first.node : topmost(scene, first.node)); i >= 0;
-       i = scene.nodes[static_cast<size_t>(i)].parent)
-    signs *= scaleSignsOf(scene, static_cast<uint32_t>(i));
-  return signs;
+  if (!isGroup(scene, instances)) return instanceScaleSigns(scene, instances.front());
+  return scaleSignsFrom(scene, topmost(scene, scene.instances[instances.front()].node));
 }
 
 dmat4 rigidOf(const dmat4& m, dvec3 scaleSigns) {
@@ -148,7 +165,7 @@ std::optional<dmat4> commonDisplacement(const Scene& scene, const Pose& pose, st
 
 dmat4 objectToWorld(const Scene& scene, const Pose& pose, std::span<const dmat4> toWorld,
                     std::span<const uint32_t> instances) {
-  if (areOfOneNode(scene, instances)) return toWorld[instances.front()];
+  if (!isGroup(scene, instances)) return toWorld[instances.front()];
   const Instance& first = scene.instances[instances.front()];
   const dmat4 displacement = commonDisplacement(scene, pose, toWorld, instances).value_or(dmat4(1));
   return displacement * nodeToWorld(scene, pose, topmost(scene, first.node));

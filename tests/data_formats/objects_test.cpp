@@ -1,6 +1,7 @@
 // Objects of a frame compared with closed forms: their bounding boxes, and the pixels that each object would cover by
 // itself (amodal masks).
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "data_formats/support.h"
 #include "labels/amodal.h"
@@ -87,6 +88,42 @@ TEST_F(ObjectsTest, BoxesTurnWithTheirNodes) {
   EXPECT_NEAR(std::abs(glm::dot(glm::dvec3(ball.toWorld[2]), z)), 1, 1e-6);
   expectNear(ball.low, {-3, -2, -1}, 1e-5);
   expectNear(ball.high, {3, 2, 1}, 1e-5);
+}
+
+// The frame of a group is that of its topmost node, turned by 30 degrees about Y, whichever of its parts are shown. The
+// parts are turned and stretched themselves, and the topmost node mirrors Y and Z, which is part of the coordinates.
+TEST_F(ObjectsTest, FramesOfGroupsDoNotDependOnTheirVisibleParts) {
+  for (const glm::vec3 scale : {glm::vec3(2), glm::vec3(2, -2, -2)}) {
+    scene::SceneBuilder builder("scene");
+    scene::Scene& scene = builder.scene;
+    scene.meshes.push_back(render::test::sphereMesh(1));
+    scene.materials.push_back(scene::plainMaterial("white", {1, 1, 1}, 0, 1));
+    const double angle = shared::kPi / 6;
+    const scene::RigNode group{
+        .translation = {4, 5, 6}, .scale = scale, .rotation = {0, std::sin(angle / 2), 0, std::cos(angle / 2)}};
+    const glm::dmat4 rigid = glm::rotate(glm::translate(glm::dmat4(1), {4, 5, 6}), angle, {0, 1, 0});
+    const glm::mat4 local(glm::scale(rigid, glm::dvec3(scale)));
+    const uint32_t top = builder.addNode("group", builder.kRoot, local);
+    for (const float turn : {1.1f, -0.7f}) {
+      const glm::mat4 part = glm::translate(glm::mat4(1), {turn, 0, 0}) * glm::rotate(glm::mat4(1), turn, {1, 1, 0}) *
+                             glm::scale(glm::mat4(1), {0.5f, 0.25f, 1});
+      const uint32_t node = builder.addInstance("part", top, 0, 0, part);
+      scene.instances.back().id = scene.nodes[node].id = scene.nodes[top].id;
+    }
+    scene.fileNodes.resize(scene.nodes.size());
+    scene.fileNodes[top] = group;
+    for (const auto& [first, second] : {std::pair(true, true), {true, false}, {false, true}}) {
+      scene.instances[0].hidden = !first;
+      scene.instances[1].hidden = !second;
+      const std::vector<Object> objects = labels::objectsOf(scene, {}, false, nullptr);
+      ASSERT_EQ(objects.size(), 1u);
+      expectNear(glm::dvec3(objects[0].toWorld[3]), {4, 5, 6}, 1e-5);
+      for (int axis = 0; axis < 3; ++axis) {
+        SCOPED_TRACE(fmt::format("{} {} {} {}", scale.y, first, second, axis));
+        expectNear(glm::dvec3(objects[0].toWorld[axis]), glm::dvec3(rigid[axis]), 1e-6);
+      }
+    }
+  }
 }
 
 // Edges lie between pixels, so every count is an integer.

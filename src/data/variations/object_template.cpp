@@ -109,7 +109,7 @@ ObjectTemplate readTemplate(Spec& spec, const VariationContext& context) {
       object.parts.push_back({instance.mesh, instance.material, instance.toWorld});
     }
     object.copy = {.node = onlyNode(scene, object.name)};
-    if (!instances.empty()) object.copy->scaleSigns = scene::objectScaleSigns(scene, {instances.data(), 1});
+    if (!instances.empty()) object.copy->scaleSigns = scene::instanceScaleSigns(scene, instances.front());
   }
   object.box = boxAround(scene, object.parts);
   if (object.parts.empty() || !(object.box.half[0].x >= 0))
