@@ -8,8 +8,9 @@ their order. The members of pairs and rigs (``path0-left``, ``path0-right``) are
 frames of one video.
 
 ``observation.state`` is the pose of each camera: its position in meters and its rotation as a quaternion x, y, z, w,
-from the camera's frame (X right, Y down, Z forward) to the scene's. ``action`` is the state of the next frame, and that
-of the last frame is its own.
+from the camera's frame (X right, Y down, Z forward) to the scene's. A rotation has two quaternions of opposite sign:
+the first frame of an episode has the one with w >= 0, and each other frame the one nearer to that of the frame before.
+``action`` is the state of the next frame, and that of the last frame is its own.
 
 Requires the package ``pyarrow`` and the program ``ffmpeg``. The folder appears whole or not at all.
 
@@ -123,6 +124,16 @@ def _state_of(pose: np.ndarray) -> list[float]:
     return [*pose[:3, 3], *(quaternion if quaternion[3] >= 0 else -quaternion)]
 
 
+def _continued(states: list[list[float]]) -> np.ndarray:
+    """The states of a camera's frames, (frames, values), without changes of the quaternions' signs from frame to frame,
+    which statistics and policies would take for fast rotations."""
+    values = np.array(states)
+    quaternions = values[:, 3:]
+    changes = np.where((quaternions[1:] * quaternions[:-1]).sum(1) < 0, -1, 1)
+    quaternions[1:] *= np.cumprod(changes)[:, None]
+    return values
+
+
 def _members_by_name(cameras: Sequence[str]) -> list[str]:
     """The member of a pair or rig that each camera is, by names such as path0-left and path0-right; "" for none. At
     least two poses must have the same members, and numbers are those of poses, as in frame-000000."""
@@ -166,7 +177,7 @@ def read_set(folder: Path, pattern: str | None = None) -> list[Episode]:
                 f"{', '.join(f'{name}: {len(images)}' for name, images in pictures.items())}"
             )
         cameras = sorted(pictures)
-        states = np.concatenate([np.array(poses[name]) for name in cameras], axis=1).astype(np.float32)
+        states = np.concatenate([_continued(poses[name]) for name in cameras], axis=1).astype(np.float32)
         episodes.append(Episode({name: pictures[name] for name in cameras}, states))
     if not episodes:
         raise SetError(f"'{folder}' has no frames")

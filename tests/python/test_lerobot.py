@@ -142,6 +142,30 @@ def poses_at(*names):
     return {"type": "list", "cameras": [{"name": name, "eye": [0, i, 9]} for i, name in enumerate(names)]}
 
 
+def test_quaternions_keep_their_sign(tmp_path):
+    """A camera that turns twice about its vertical axis: half of its angle, from 0 to 360 degrees, is in the quaternion,
+    whose w = cos(angle / 2) is negative in the second half. Each of two variations starts with w = 1."""
+    angles = np.radians(np.arange(0, 720, 30))
+    cameras = [
+        {"name": f"p{i:02}", "pose": [[c, 0, s, 0], [0, 1, 0, 0], [-s, 0, c, 9], [0, 0, 0, 1]]}
+        for i, (c, s) in enumerate(zip(np.cos(angles), np.sin(angles)))
+    ]
+    job = JOB | {"cameras": {"type": "list", "fov": 50, "cameras": cameras}, "options": {"size": "16x16"}}
+    (tmp_path / "job.json").write_text(json.dumps(job))
+    program = [os.environ["LATELIGHT_PROGRAM"], "batch", "job.json", "--devices", "cpu"]
+    subprocess.run(program, cwd=tmp_path, check=True, capture_output=True)
+    done = lerobot(tmp_path, "set", "-o", "out")
+    assert done.returncode == 0, done.stderr
+    rows = pq.read_table(tmp_path / "out/data/chunk-000/file-000.parquet").to_pydict()
+    zero = np.zeros_like(angles)
+    expected = np.stack([zero, np.sin(angles / 2), zero, np.cos(angles / 2)], 1)
+    states = np.array(rows["observation.state"]).reshape(2, 24, 7)
+    for episode in states:
+        np.testing.assert_allclose(episode[:, 3:], expected, atol=1e-6)
+    actions = np.array(rows["action"]).reshape(2, 24, 7)
+    np.testing.assert_array_equal(actions[:, :-1], states[:, 1:])
+
+
 def test_only_members_of_pairs_and_rigs_have_their_own_videos(tmp_path):
     frames = [f"frame-{i:06}" for i in range(3)]
     assert cameras_of(tmp_path, "frames", poses_at(*frames)) == (["camera"], 3)
