@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <random>
+#include <set>
 #include <sstream>
 
 #include "batch/sets.h"
@@ -132,6 +133,27 @@ TEST(Resume, FewerVariationsLeaveNothingOfTheOthers) {
   ASSERT_EQ(latelight(small(folder, {"--resume"})).code, 0);
   const auto resumed = filesOf(folder, "set");
   EXPECT_EQ(resumed.size(), 3 + 1u);
+}
+
+TEST(Resume, ASmallerJobLeavesNoFoldersOfOthers) {
+  const auto folders = [](const Folder& folder) {
+    std::set<std::string> names;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder.path() / "set"))
+      if (entry.is_directory()) names.insert(entry.path().lexically_relative(folder.path() / "set").string());
+    return names;
+  };
+  Folder folder;
+  const auto render = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--scenes", "builtin:boxes", "--name", "{scene}/{variation}/{index}", "-o", "set",
+                             "--formats", "npz", "--formats", "depth-png"});
+    const Outcome outcome = latelight(batch(folder, more));
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+  };
+  render({"--repeat", "2", "--scenes", "builtin:spheres"});
+  EXPECT_THAT(folders(folder), testing::IsSupersetOf({"spheres/1", "boxes/1", "depth/spheres", "depth/spheres/1"}));
+  render({"--resume"});
+  EXPECT_THAT(folders(folder),
+              testing::UnorderedElementsAre(".latelight", "boxes", "boxes/0", "depth", "depth/boxes", "depth/boxes/0"));
 }
 
 TEST(Resume, ADamagedFileIsFoundAndMadeAgain) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <ranges>
 #include <unordered_map>
 
 #include "base/error.h"
@@ -170,16 +171,19 @@ std::vector<std::string> writeSetFiles(const SetFolder& set, Manifest& manifest)
   return packedFiles;
 }
 
-// Removes files and the folders that become empty.
-void removeFiles(const SetFolder& set, const std::vector<std::string>& names) {
+// Removes files, and the folders below the set's own that become empty.
+template <typename Names>
+void removeFiles(const SetFolder& set, const Names& names) {
   std::set<fs::path> folders;
   std::error_code ignored;
   for (const std::string& name : names) {
     fs::remove(set.path() / name, ignored);
-    folders.insert((set.path() / name).parent_path());
+    for (fs::path folder = fs::path(name).parent_path(); !folder.empty(); folder = folder.parent_path())
+      folders.insert(folder);
   }
-  for (const fs::path& folder : folders)
-    if (fs::is_empty(folder, ignored)) fs::remove(folder, ignored);
+  // In reverse order, a folder follows those in it.
+  for (const fs::path& folder : std::views::reverse(folders))
+    if (fs::is_empty(set.path() / folder, ignored)) fs::remove(set.path() / folder, ignored);
 }
 
 void removeStale(const SetFolder& set, const SetStatus& status) {
@@ -188,8 +192,7 @@ void removeStale(const SetFolder& set, const SetStatus& status) {
   for (const auto& [index, frame] : status.manifest.frames)
     for (const FileRecord& file : frame.files) stale.erase(file.name);
   for (const FileRecord& file : status.manifest.setFiles) stale.erase(file.name);
-  std::error_code ignored;
-  for (const std::string& name : stale) fs::remove(set.path() / name, ignored);
+  removeFiles(set, stale);
 }
 
 void join(const SetFolder& set, SetStatus& status) {
