@@ -7,7 +7,9 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "data_formats/support.h"
+#include "output/png.h"
 
 namespace latelight::data::test {
 namespace {
@@ -122,7 +124,8 @@ TEST_F(AnnotationsTest, VocBoxesCountPixelsFromOne) {
   EXPECT_THAT(record.files, ElementsAre("images/000003.png", "Annotations/000003.xml"));
   const std::string xml = text("Annotations/000003.xml");
   EXPECT_THAT(xml, HasSubstr("<filename>000003.png</filename>"));
-  EXPECT_THAT(xml, HasSubstr("<width>128</width><height>128</height>"));
+  EXPECT_THAT(xml, HasSubstr("<width>128</width><height>128</height><depth>4</depth>"));
+  EXPECT_EQ(output::decodePng(readFile(folder / "images/000003.png"), "").channels.size(), 4u);
   const auto object = [&](const std::string& name) {
     const size_t at = xml.find("<name>" + name + "</name>");
     return at == std::string::npos ? "" : xml.substr(at, xml.find("</object>", at) - at);
@@ -133,6 +136,21 @@ TEST_F(AnnotationsTest, VocBoxesCountPixelsFromOne) {
   EXPECT_THAT(object("back"), HasSubstr("<truncated>0</truncated>"));
   EXPECT_THAT(object("cut"), HasSubstr("<truncated>1</truncated>"));
   EXPECT_THAT(object("cut"), HasSubstr("<xmin>97</xmin><ymin>1</ymin><xmax>128</xmax><ymax>48</ymax>"));
+}
+
+// Sets without objects, because a mapping does not match, are warned of. Frames without visible objects are not.
+TEST_F(AnnotationsTest, MappingsThatMatchNoObjectAreWarnedOf) {
+  for (const char* name : {"coco", "yolo", "voc", "kitti"}) {
+    const auto warnings = [&](const Json& categories) {
+      testing::internal::CaptureStderr();
+      write(name, {{"categories", categories}}, true);
+      return testing::internal::GetCapturedStderr();
+    };
+    EXPECT_THAT(warnings({{"^/car", "car"}, {"wheel", "wheel"}}),
+                HasSubstr(fmt::format("the format {} has no objects: no visible object matches", name)));
+    EXPECT_EQ(warnings({{"^/car", "car"}, {"front", "front"}}), "") << name;
+    EXPECT_EQ(warnings("mesh"), "") << name;
+  }
 }
 
 // XML has no control characters except white space, no U+FFFE and U+FFFF, and only characters of its encoding.
@@ -160,6 +178,8 @@ TEST_F(AnnotationsTest, KittiBoxesAreInTheCamerasFrame) {
       std::sscanf(calibration.c_str() + calibration.find("P2:"), "P2: %lf 0 63.5 0 0 %lf 63.5 0 0 0 1 0", &fx, &fy), 2);
   EXPECT_NEAR(fx, 64, 1e-5);
   EXPECT_NEAR(fy, 64, 1e-5);
+  // Without a lidar, X forward, Y left and Z up of KITTI's Velodyne are Z, -X and -Y of the camera.
+  EXPECT_THAT(calibration, HasSubstr("\nTr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n"));
 }
 
 TEST_F(AnnotationsTest, KittiRejectsOtherCameras) {
@@ -174,5 +194,3 @@ TEST_F(AnnotationsTest, KittiRejectsOtherCameras) {
 
 }  // namespace
 }  // namespace latelight::data::test
-  // Without a lidar, X forward, Y left and Z up of KITTI's Velodyne are Z, -X and -Y of the camera.
-  EXPECT_THAT(calibration, HasSubstr("\nTr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n"));

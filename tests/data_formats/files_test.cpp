@@ -481,6 +481,7 @@ TEST_F(FormatFilesTest, WrongOptionsAreNamed) {
   EXPECT_THAT(said("npz", {{"outputs", {"deep"}}}), testing::HasSubstr("there is no AOV \"deep\""));
   EXPECT_THAT(said("flow", {{"as", "gif"}}), testing::HasSubstr("one of flo, kitti"));
   EXPECT_THAT(said("depth-png", {{"scale", 0}}), testing::HasSubstr("a number from 0.001 to 10000"));
+  EXPECT_THAT(said("depth-png", {{"unit", "mm"}, {"scale", 2}}), testing::HasSubstr("remove one of them"));
   EXPECT_THAT(said("depth-png", {{"steps", 3}}), testing::HasSubstr("has no option \"steps\"; it has file"));
   EXPECT_THAT(said("coco", {{"categories", {{"(", "a"}}}}), testing::HasSubstr("no regular expression"));
   EXPECT_THAT(said("coco", {{"categories", 3}}), testing::HasSubstr("mesh, node, material"));

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "data/cameras/json_file.h"
 #include "data/formats/names.h"
 
@@ -63,6 +64,14 @@ std::string Categories::named(const output::IdEntry& entry, const output::IdMani
   const std::vector<std::string> materials = from_ == "material" ? ids.materialsOf(entry) : std::vector<std::string>();
   const std::string& name = from_ == "node" ? entry.node : materials.empty() ? entry.mesh : materials.front();
   return name.empty() ? entry.node : name;
+}
+
+void Categories::warnIfUnused(std::span<const uint64_t> counts) const {
+  if (rules_.empty() || counts.empty() || std::ranges::any_of(counts, [](uint64_t count) { return count > 0; })) return;
+  warn(
+      "the data set of the format {} has no objects: no visible object matches an expression of its categories; "
+      "expressions match parts of paths of nodes, such as \"/Root/Arm\"",
+      format_);
 }
 
 uint64_t Categories::numberOf(const Json& object, const std::map<std::string, uint64_t>& numbers) {

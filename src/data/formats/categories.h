@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,10 @@ class Categories {
   // Returns the category of the object with an id. It is empty if the object has none, or no object has the id; the
   // object is then excluded.
   std::string of(uint32_t id, const output::IdManifest& ids) const;
+
+  // Warns if there are rules and no object of a set has a category, so that formats omit all objects. `counts`: the
+  // number of objects with a category by frame.
+  void warnIfUnused(std::span<const uint64_t> counts) const;
 
   // Returns the number of the category of an object of an entry. Throws Error(BadInput) if the entry is of a job whose
   // categories differ.

@@ -94,8 +94,11 @@ class Coco : public Format {
     const std::span<const Json> entries = set.frames;
     std::map<std::string, uint64_t> numbers;
     const Json categories = categoriesOf(set, numbers);
+    std::vector<uint64_t> counts(entries.size());
+    for (size_t i = 0; i < entries.size(); ++i) counts[i] = entries[i]["objects"].size();
+    categories_.warnIfUnused(counts);
     std::vector<uint64_t> first(entries.size() + 1, 1);  // id of each picture's first annotation
-    for (size_t i = 0; i < entries.size(); ++i) first[i + 1] = first[i] + entries[i]["objects"].size();
+    for (size_t i = 0; i < entries.size(); ++i) first[i + 1] = first[i] + counts[i];
     std::vector<std::string> images(entries.size()), annotations(entries.size());
     parallelFor(entries.size(), 16, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "base/error.h"
 #include "data/formats/depth_png.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
@@ -20,6 +21,8 @@ class DepthPng : public Format {
     FormatOptions options("depth-png", json);
     file_ = options.frameFile("file", "depth/{name}.png", ".png");
     aov_ = options.choice("output", {"depth", "distance"}) == "depth" ? output::Aov::Depth : output::Aov::Distance;
+    if (options.find("unit") && options.find("scale"))
+      badUsage("the format depth-png has a \"unit\" and a \"scale\", which replaces it: remove one of them");
     const bool kitti = options.choice("unit", {"mm", "kitti"}) == "kitti";
     stepsPerMetre_ = 1000 / options.number("scale", kitti ? 1000.0 / 256 : 1, 1e-3, 1e4);
     options.finish();

@@ -73,15 +73,23 @@ class Kitti : public Format {
     const std::map<uint32_t, Mask> masks = masksOf(imageOf(frame.picture, output::Aov::Id));
     const glm::dmat4 cameraFromWorld = openCvFromWorld(frame.metadata.camera);
     std::string text;
+    uint64_t count = 0;
     for (const Object& object : frame.objects) {
       const auto mask = masks.find(object.id);
       const std::string category = mask != masks.end() ? categories_.of(object.id, *frame.metadata.ids) : "";
-      if (!category.empty())
-        text += describe(asWord(category), object, mask->second, uprightOf(object, cameraFromWorld));
+      if (category.empty()) continue;
+      ++count;
+      text += describe(asWord(category), object, mask->second, uprightOf(object, cameraFromWorld));
     }
     writeOf(record, folder, frameFile(labels_, frame), std::as_bytes(std::span(text)));
     const std::string calibration = calibrationOf(frame);
     writeOf(record, folder, frameFile(calibrations_, frame), std::as_bytes(std::span(calibration)));
+    record.entry = count;
+  }
+
+  std::vector<std::string> writeSet(const SetEntries& set, const std::filesystem::path& folder) const override {
+    categories_.warnIfUnused(std::vector<uint64_t>(set.frames.begin(), set.frames.end()));
+    return {};
   }
 
  private:

@@ -55,16 +55,25 @@ class Voc : public Format {
     const std::map<uint32_t, Mask> masks = masksOf(ids);
     std::string text = fmt::format(
         "<annotation>\n  <folder>{}</folder>\n  <filename>{}</filename>\n  <source><database>Latelight</database>"
-        "</source>\n  <size><width>{}</width><height>{}</height><depth>3</depth></size>\n"
+        "</source>\n  <size><width>{}</width><height>{}</height><depth>4</depth></size>\n"
         "  <segmented>0</segmented>\n",
         escaped(picture.parent_path().string()), escaped(picture.filename().string()), ids.width, ids.height);
+    uint64_t count = 0;
     for (const Object& object : frame.objects) {
       const auto mask = masks.find(object.id);
       const std::string category = mask != masks.end() ? categories_.of(object.id, *frame.metadata.ids) : "";
-      if (!category.empty()) text += describe(category, object, mask->second);
+      if (category.empty()) continue;
+      ++count;
+      text += describe(category, object, mask->second);
     }
     text += "</annotation>\n";
     writeOf(record, folder, frameFile(annotations_, frame), std::as_bytes(std::span(text)));
+    record.entry = count;
+  }
+
+  std::vector<std::string> writeSet(const SetEntries& set, const std::filesystem::path& folder) const override {
+    categories_.warnIfUnused(std::vector<uint64_t>(set.frames.begin(), set.frames.end()));
+    return {};
   }
 
  private:
