@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include "base/log.h"
 #include "mesh_files/support.h"
 
 namespace latelight::scene::test {
@@ -251,6 +252,25 @@ TEST(Mtl, MapsBecomeTextures) {
   EXPECT_NEAR(glm::dot(t.row0, vec3(0.25f, 0.5f, 1)), 1, 1e-6);
   EXPECT_NEAR(glm::dot(t.row1, vec3(0.25f, 0.5f, 1)), -1.25, 1e-6);
   EXPECT_NE(scene.meshes[0].attributes[0].tangent, vec4(0));
+}
+
+// Roughness and metalness are one texture, as color and alpha are, which has one transform.
+TEST(Mtl, DifferentOptionsOfMapsThatAreCombinedAreReported) {
+  const auto warningsOf = [](const std::string& statements) {
+    std::vector<std::string> warnings;
+    const WarningCapture capture(warnings);
+    MeshFile file = withMtl(statements);
+    file.add("a.png", png(1, 1, {{10, 20, 30, 255}})).add("b.png", png(1, 1, {{10, 20, 30, 255}}));
+    file.load();
+    return warnings;
+  };
+  for (const char* options : {"-s 2 2 1", "-o 0.5 0 0", "-clamp on"}) {
+    const std::string with = fmt::format("{} b.png\n", options);
+    EXPECT_THAT(warningsOf("map_Pr a.png\nmap_Pm " + with), ElementsAre(HasSubstr("those of map_Pr are used")));
+    EXPECT_THAT(warningsOf("map_Kd a.png\nmap_d " + with), ElementsAre(HasSubstr("those of map_Kd are used")));
+    EXPECT_THAT(warningsOf("map_Pr " + with + "map_Pm " + with), testing::IsEmpty());
+    EXPECT_THAT(warningsOf("map_Pm " + with), testing::IsEmpty());
+  }
 }
 
 TEST(Mtl, TangentsFollowTheScaleOfNormalMaps) {

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/log.h"
 #include "scene/mesh_files/mtl.h"
 
 namespace latelight::scene::mesh_files {
@@ -89,6 +90,13 @@ class Converter {
     out_.data.transforms[slot] = {vec3(s[0], 0, o[0]), vec3(0, s[1], 1 - s[1] - o[1]), 0};
   }
 
+  // A texture that is combined from two maps has one transform and one sampler: those of the map that `fill()` gets.
+  void warnIfDifferent(const MtlMap& used, const MtlMap& other, const char* usedKey, const char* otherKey) const {
+    if (used.scale == other.scale && used.offset == other.offset && used.clamp == other.clamp) return;
+    warn("the material {} has {} and {} with different -s, -o or -clamp: those of {} are used for both", source_.name,
+         usedKey, otherKey, usedKey);
+  }
+
   // -mm of a color map that only scales it multiplies the factor.
   void addColor(uint32_t slot, const MtlMap& map, float& red, float& green, float& blue) {
     for (float* channel : {&red, &green, &blue}) *channel *= map.image.gain;
@@ -104,7 +112,10 @@ class Converter {
       request.make = Make::ColorWithAlpha;
       request.second = alpha->image;
       request.srgb = true;
-      if (color) request.first.file = color->image.file;
+      if (color) {
+        request.first.file = color->image.file;
+        warnIfDifferent(*color, *alpha, "map_Kd", "map_d");
+      }
       fill(shared::kTextureBaseColor, color ? *color : *alpha, request);
     } else if (color) {
       addColor(shared::kTextureBaseColor, *color, factor.r, factor.g, factor.b);
@@ -118,6 +129,7 @@ class Converter {
     request.make = Make::RoughnessMetallic;
     if (roughness) request.first = roughness->image;
     if (metallic) request.second = metallic->image;
+    if (roughness && metallic) warnIfDifferent(*roughness, *metallic, "map_Pr", "map_Pm");
     fill(shared::kTextureMetallicRoughness, roughness ? *roughness : *metallic, request);
   }
 
