@@ -181,8 +181,11 @@ TEST(GltfFiles, DataUrisOfAnyForm) {
     percent += c == '/' ? "%2F" : c == '+' ? "%2b" : c == '=' ? "%3D" : std::string(1, c);
   EXPECT_THAT(percent, testing::EndsWith("%3D"));
   for (const std::byte byte : b.buffer) everyByte += fmt::format("%{:02x}", int(byte));
+  std::string lines;  // of 76 characters (RFC 2045, 6.8)
+  for (size_t i = 0; i < base64(b.buffer).size(); i += 76) lines += base64(b.buffer).substr(i, 76) + "\r\n";
   for (const std::string& uri : {"data:application/octet-stream;base64," + percent, "DATA:;BASE64," + base64(b.buffer),
-                                 "Data:application/octet-stream;Base64," + percent, "data:," + everyByte}) {
+                                 "Data:application/octet-stream;Base64," + percent, "data:," + everyByte,
+                                 "data:;base64," + lines, "data:;base64,\t " + base64(b.buffer) + "%0A\f"}) {
     b.root["buffers"] = {{{"byteLength", b.buffer.size()}, {"uri", uri}}};
     EXPECT_EQ(b.load().meshes.at(0).positions, positions) << uri.substr(0, 60);
   }

@@ -39,8 +39,15 @@ std::string percentDecode(std::string_view text) {
   return out;
 }
 
-// Decodes Base64 (RFC 4648, 4); padding may be missing.
+// Decodes Base64 (RFC 4648, 4) as browsers do (WHATWG, "Infra Standard", forgiving-base64 decode): padding may be
+// missing, and white space is skipped.
 std::vector<std::byte> base64Decode(std::string_view text, const std::string& name) {
+  constexpr std::string_view kWhiteSpace = "\t\n\f\r ";
+  if (text.find_first_of(kWhiteSpace) != std::string_view::npos) {
+    std::string dense(text);
+    std::erase_if(dense, [=](char c) { return kWhiteSpace.find(c) != std::string_view::npos; });
+    return base64Decode(dense, name);
+  }
   static const auto digits = [] {
     std::array<uint8_t, 256> table;
     table.fill(255);
