@@ -101,7 +101,8 @@ class Paths {
   std::string make(const std::string& parent, const std::string& name) {
     std::string unique = names_.make(fmt::format("{}/{}", parent, name));
     if ((bytes_ += unique.size()) > kMaxPathBytes)
-      badInput("its nodes are nested too deeply, or their names are too long");
+      badInput("the paths of its nodes have more than {} MiB: they are nested too deeply, or their names are too long",
+               kMaxPathBytes >> 20);
     return unique;
   }
 
