@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/reserve.h"
+#include "scene/decompose.h"
 #include "scene/edit.h"
 #include "scene/edit_check.h"
 #include "scene/edit_slots.h"
@@ -35,60 +36,15 @@ bool addOffset(Scene& scene, size_t instance) {
   return true;
 }
 
-// The axes of a rotation, of which a scale of zero left those that are flat without a direction. One follows from the
-// other two, two are any that are perpendicular to the third, and three are those of the identity.
-glm::dmat3 completed(glm::dmat3 axes, std::array<bool, 3> isFlat) {
-  const auto count = std::ranges::count(isFlat, true);
-  if (count == 3) return glm::dmat3(1);
-  if (count == 2) {
-    const auto known = static_cast<int>(std::ranges::find(isFlat, false) - isFlat.begin());
-    const int next = (known + 1) % 3;
-    dvec3 other(0);
-    other[std::abs(axes[known][next]) < 0.9 ? next : (known + 2) % 3] = 1;
-    axes[next] = glm::normalize(other - glm::dot(other, axes[known]) * axes[known]);
-    isFlat[static_cast<size_t>(next)] = false;
-  }
-  for (int i = 0; i < 3; ++i)
-    if (isFlat[static_cast<size_t>(i)]) axes[i] = glm::cross(axes[(i + 1) % 3], axes[(i + 2) % 3]);
-  return axes;
-}
-
-// The part of a matrix that a translation, a rotation and a scale represent.
-RigNode decomposed(const dmat4& matrix) {
-  constexpr double kFlat = 1e-13;  // relative length of an axis whose direction is rounding
-  const glm::dmat3 axes(matrix);
-  dvec3 scale(glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2]));
-  const double largest = std::max({scale.x, scale.y, scale.z});
-  std::array<bool, 3> isFlat;
-  for (int i = 0; i < 3; ++i) isFlat[static_cast<size_t>(i)] = scale[i] <= kFlat * largest;
-  if (std::ranges::count(isFlat, true) == 0 && glm::determinant(axes) < 0) scale.x = -scale.x;
-  glm::dmat3 rotation(1);
-  for (int i = 0; i < 3; ++i)
-    if (!isFlat[static_cast<size_t>(i)]) rotation[i] = axes[i] / scale[i];
-  const glm::dquat q = glm::normalize(glm::quat_cast(completed(rotation, isFlat)));
-  return {.matrix = matrix, .translation = dvec3(matrix[3]), .scale = scale, .rotation = {q.x, q.y, q.z, q.w}};
-}
-
-// The largest error of a decomposition, relative to the matrix's largest number.
-double errorOf(const RigNode& node) {
-  const dmat4 composed = composeTransform(node.translation, node.rotation, node.scale);
-  double error = 0, largest = 0;
-  for (int i = 0; i < 12; ++i) {
-    error = std::max(error, std::abs(composed[i / 4][i % 4] - node.matrix[i / 4][i % 4]));
-    largest = std::max(largest, std::abs(node.matrix[i / 4][i % 4]));
-  }
-  return largest > 0 ? error / largest : 0;
-}
-
-constexpr double kRoundingOfDoubles = 1e-12, kRoundingOfFloats = 1e-6;
+constexpr double kRoundingOfFloats = 1e-6;
 
 // A node that the rig does not cover yet, except for its parent.
 RigNode uncoveredNode(Scene& scene, size_t index) {
   if (index < scene.fileNodes.size()) return std::move(scene.fileNodes[index]);
   const Node& node = scene.nodes[index];
   if (node.added > 0) return {.hasMatrix = true, .matrix = node.local};  // edits move its instances, not the node
-  RigNode rigged = decomposed(node.local);
-  rigged.hasMatrix = !(errorOf(rigged) <= kRoundingOfDoubles);
+  RigNode rigged = decomposeTransform(node.local);
+  rigged.hasMatrix = !(decompositionError(rigged) <= kRoundingOfDoubles);
   return rigged;
 }
 
@@ -308,8 +264,8 @@ bool isAnimated(const Rig& rig, uint32_t node) {
 RigNode withTransform(const Rig& rig, uint32_t node, const dmat4& parentFromNode, const std::string& owner) {
   RigNode to = rig.nodes[node];
   const bool animated = isAnimated(rig, node);
-  const RigNode parts = decomposed(parentFromNode);
-  to.hasMatrix = !(errorOf(parts) <= (animated ? kRoundingOfFloats : kRoundingOfDoubles));
+  const RigNode parts = decomposeTransform(parentFromNode);
+  to.hasMatrix = !(decompositionError(parts) <= (animated ? kRoundingOfFloats : kRoundingOfDoubles));
   if (animated && to.hasMatrix)
     badUsage("the matrix of {} shears, but animations move the node: give one of a translation, a rotation and a scale",
              owner);
