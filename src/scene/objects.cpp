@@ -4,6 +4,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
 
+#include "scene/decompose.h"
+
 namespace latelight::scene {
 
 namespace {
@@ -77,7 +79,7 @@ const RigNode* statedNode(const Scene& scene, uint32_t node) {
 
 dvec3 scaleSignsOf(const Scene& scene, uint32_t node) {
   const RigNode* stated = statedNode(scene, node);
-  if (stated && !stated->hasMatrix) return glm::mix(dvec3(1), dvec3(-1), glm::lessThan(stated->scale, dvec3(0)));
+  if (stated && !stated->hasMatrix) return signsOf(stated->scale);
   return handednessOf(stated ? stated->matrix : scene.nodes[node].local) < 0 ? kMirrored : dvec3(1);
 }
 
@@ -103,17 +105,27 @@ bool isGroup(const Scene& scene, std::span<const uint32_t> instances) {
 dvec3 scaleSignsFrom(const Scene& scene, uint32_t node) {
   dvec3 signs(1);
   for (int i = static_cast<int>(node); i >= 0; i = scene.nodes[static_cast<size_t>(i)].parent)
-    signs *= scaleSignsOf(scene, static_cast<uint32_t>(i));
+    signs *= nodeScaleSigns(scene, static_cast<uint32_t>(i));
   return signs;
 }
 
 }  // namespace
 
+dvec3 nodeScaleSigns(const Scene& scene, uint32_t node) {
+  const auto copy = scene.nodeCopies.find(node);
+  return copy != scene.nodeCopies.end() ? copy->second.scaleSigns : scaleSignsOf(scene, node);
+}
+
+dvec3 copyScaleSigns(const Scene& scene, uint32_t instance) {
+  const Instance& i = scene.instances[instance];
+  if (i.copy < 0) return dvec3(1);
+  return signsOf(statedTransform(scene.fileCopies.at(i.node), static_cast<size_t>(i.copy)).scale);
+}
+
 dvec3 instanceScaleSigns(const Scene& scene, uint32_t instance) {
   const Instance& i = scene.instances[instance];
-  if (i.posed) return dvec3(1);
-  const auto copy = scene.nodeCopies.find(i.node);
-  return copy != scene.nodeCopies.end() ? copy->second.scaleSigns : scaleSignsFrom(scene, i.node);
+  const dvec3 signs = copyScaleSigns(scene, instance);
+  return i.posed ? signs : scaleSignsFrom(scene, i.node) * signs;
 }
 
 dvec3 objectScaleSigns(const Scene& scene, std::span<const uint32_t> instances) {

@@ -45,8 +45,12 @@ dmat4 objectToWorld(const Scene& scene, const Pose& pose, std::span<const dmat4>
 // Returns the signs of the scales of this node and of those above it, multiplied: with them, the object's own frame has
 // the rotations that the nodes state.
 dvec3 objectScaleSigns(const Scene& scene, std::span<const uint32_t> instances);
-// Returns the same for an instance's own node, also if it belongs to a group. They are 1 if joints move the instance.
+// Returns the same for an instance's own node and copy, also if it belongs to a group. Joints that move the instance
+// are not included, but the copy is.
 dvec3 instanceScaleSigns(const Scene& scene, uint32_t instance);
+// Return the signs of the scale of a node, and of a copy by EXT_mesh_gpu_instancing relative to its node.
+dvec3 nodeScaleSigns(const Scene& scene, uint32_t node);
+dvec3 copyScaleSigns(const Scene& scene, uint32_t instance);
 
 // Extends the box by the vertices of a mesh at rest, transformed.
 void addMesh(Extent& extent, const Mesh& mesh, const dmat4& transform);

@@ -25,17 +25,6 @@ namespace latelight::scene {
 
 namespace {
 
-// Gives a copy by EXT_mesh_gpu_instancing its transform relative to its node. Returns false if the node's transform has
-// no inverse.
-bool addOffset(Scene& scene, size_t instance) {
-  const Instance& copy = scene.instances[instance];
-  const dmat4& node = scene.nodes[copy.node].toWorld;
-  if (glm::determinant(node) == 0) return false;
-  scene.rig.offsets.resize(scene.instances.size(), dmat4(1));
-  scene.rig.offsets[instance] = glm::inverse(node) * copy.toWorld;
-  return true;
-}
-
 constexpr double kRoundingOfFloats = 1e-6;
 
 // A node that the rig does not cover yet, except for its parent.
@@ -71,9 +60,10 @@ void coverNodes(Scene& scene) {
   }
   scene.fileNodes = {};
   for (size_t i = 0; i < scene.instances.size(); ++i) {
-    Instance& instance = scene.instances[i];
-    if (instance.removed || instance.node < first) continue;
-    if (instance.copy >= 0 && !instance.placed) instance.placed = !addOffset(scene, i);
+    const Instance& instance = scene.instances[i];
+    if (instance.removed || instance.node < first || instance.copy < 0 || instance.placed) continue;
+    rig.offsets.resize(scene.instances.size(), dmat4(1));
+    rig.offsets[i] = nodeFromCopy(scene.fileCopies.at(instance.node), static_cast<size_t>(instance.copy));
   }
 }
 

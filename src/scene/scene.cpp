@@ -198,4 +198,17 @@ void placeLight(Light& light, const glm::dmat4& world) {
   if (shared::lightIsArea(light.type)) light.axes = mat3(toWorld);
 }
 
+RigNode statedTransform(const FileCopies& copies, size_t copy) {
+  RigNode node;
+  if (!copies.translations.empty()) node.translation = copies.translations[copy];
+  if (!copies.rotations.empty()) node.rotation = copies.rotations[copy];
+  if (!copies.scales.empty()) node.scale = copies.scales[copy];
+  return node;
+}
+
+dmat4 nodeFromCopy(const FileCopies& copies, size_t copy) {
+  const RigNode node = statedTransform(copies, copy);
+  return composeTransform(node.translation, node.rotation, node.scale);
+}
+
 }  // namespace latelight::scene

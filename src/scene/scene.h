@@ -212,6 +212,14 @@ struct NodeCopy {
   dvec3 scaleSigns{1};    // of the original of the first part (objects.h)
 };
 
+// The copies of a node by EXT_mesh_gpu_instancing as its file states them: transforms relative to the node.
+struct FileCopies {
+  std::vector<glm::vec4> translations, rotations, scales;  // one per copy, or empty: those of the identity
+};
+// Return the transform of a copy as the file states it, and as a matrix.
+RigNode statedTransform(const FileCopies& copies, size_t copy);
+dmat4 nodeFromCopy(const FileCopies& copies, size_t copy);
+
 // The material of an instance in a variant that changes it (KHR_materials_variants).
 struct VariantMaterial {
   uint32_t variant = 0;  // index into Scene::variants
@@ -236,6 +244,7 @@ struct Scene {
   // The nodes of a glTF file without a rig as the file defines them, except for their parents: element i is that of
   // `nodes`. Edits that extend the rig to all nodes (rig_edit.h) move them there.
   std::vector<RigNode> fileNodes;
+  std::map<uint32_t, FileCopies> fileCopies;       // by node of the file
   std::shared_ptr<const Environment> environment;  // the file's own, or null
   std::map<uint32_t, NodeCopy> nodeCopies;         // by added node
   SceneEdits edits;

@@ -13,6 +13,7 @@
 #include "base/memory.h"
 #include "gltf_builder.h"
 #include "scene/framing.h"
+#include "scene/objects.h"
 #include "shared/light.h"
 
 namespace latelight::scene::test {
@@ -131,6 +132,43 @@ TEST(GltfNodes, GpuInstancing) {
   EXPECT_EQ(scene.instances[1].id, hash32("/Tree/instance1"));
   b.root["accessors"][size_t(s)]["count"] = 1;
   EXPECT_THAT(errorOf(b), HasSubstr("different lengths"));
+}
+
+// An object's own frame has the rotation that its node or copy states. The object's coordinates are then the mesh's,
+// multiplied by the scale with its signs.
+TEST(GltfNodes, ObjectsHaveTheAxesOfTheirScales) {
+  for (const dvec3 scale : {dvec3(1, -2, 1), dvec3(-1, -2, 1), dvec3(-3, 1, 1), dvec3(1, 1, -1), dvec3(-1, -1, -1)})
+    for (const bool isSkinned : {false, true}) {
+      const vec3 point(0.25f, 0.5f, 0.125f);
+      const auto expectScaled = [&](const GltfBuilder& file) {
+        const Scene scene = file.load();
+        const std::vector<RestFrame> frames = restFrames(scene);
+        ASSERT_EQ(frames.size(), 1u);
+        expectNear(apply(frames[0].objectFromMesh, point), vec3(scale) * point);
+      };
+      GltfBuilder file = triangleFile();
+      json& node = file.root["nodes"][0];
+      if (isSkinned) {
+        json& attributes = file.primitive()["attributes"];
+        attributes["JOINTS_0"] = file.accessor(file.view(std::vector<uint8_t>(12)), kUnsignedByte, "VEC4", 3);
+        attributes["WEIGHTS_0"] = file.vectors(std::vector<vec4>(3, vec4(1, 0, 0, 0)));
+        file.add("skins", {{"joints", {0}}});
+        node["skin"] = 0;
+      } else {
+        node["scale"] = {scale.x, scale.y, scale.z};
+        expectScaled(file);
+        node["scale"] = {1, -1, -1};
+        node["rotation"] = {1, 0, 0, 0};  // half a turn about X: together, the node does nothing
+      }
+      node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"SCALE", file.positions({vec3(scale)})}};
+      if (isSkinned)
+        expectScaled(file);
+      else {
+        const Scene scene = file.load();
+        const uint32_t first = 0;
+        EXPECT_EQ(objectScaleSigns(scene, {&first, 1}), glm::sign(scale) * dvec3(1, -1, -1));
+      }
+    }
 }
 
 TEST(GltfNodes, GpuInstancingByAttributesOfApplications) {

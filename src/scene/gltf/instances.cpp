@@ -50,13 +50,7 @@ std::optional<TangentSpace> missingTangents(const Material& material, const file
 // instance at the node itself.
 struct Placements {
   size_t count = 1;
-  std::vector<vec4> translations, rotations, scales;  // empty, or `count` elements
-
-  glm::dmat4 operator[](size_t i) const {
-    return composeTransform(translations.empty() ? glm::dvec3(0) : glm::dvec3(translations[i]),
-                            rotations.empty() ? glm::dvec4(0, 0, 0, 1) : glm::dvec4(rotations[i]),
-                            scales.empty() ? glm::dvec3(1) : glm::dvec3(scales[i]));
-  }
+  FileCopies copies;
 };
 
 // Returns the number of elements of every attribute, including those of applications, such as "_ID"; nullopt if there
@@ -89,9 +83,9 @@ Placements readPlacements(const Document& document, const file::Node& node, size
     return values;
   };
   Placements placements;
-  placements.translations = read("TRANSLATION", vec4(0), false);
-  placements.rotations = read("ROTATION", vec4(0, 0, 0, 1), true);  // integers are always normalized here
-  placements.scales = read("SCALE", vec4(1), false);
+  placements.copies.translations = read("TRANSLATION", vec4(0), false);
+  placements.copies.rotations = read("ROTATION", vec4(0, 0, 0, 1), true);  // integers are always normalized here
+  placements.copies.scales = read("SCALE", vec4(1), false);
   placements.count = count.value_or(0);
   if (placements.count == 0)
     warn("nodes[{}] has EXT_mesh_gpu_instancing without instances, and is not rendered", index);
@@ -120,11 +114,12 @@ class Placer {
     const file::Node& node = document_.model.nodes[index];
     if (node.mesh < 0) return;
     scene_.nodes[place].mesh = meshName(document_, node.mesh);
-    const Placements placements = readPlacements(document_, node, index);
+    Placements placements = readPlacements(document_, node, index);
     const size_t first = scene_.instances.size();
     const size_t primitives = document_.model.meshes[size_t(node.mesh)].primitives.size();
     for (size_t p = 0; p < primitives; ++p) placePrimitive(place, p, placements);
     identify(scene_.nodes[place], primitives > 1, std::span(scene_.instances).subspan(first), placements.count);
+    if (node.instancing) scene_.fileCopies.emplace(uint32_t(place), std::move(placements.copies));
   }
 
   void placePrimitive(size_t place, size_t p, const Placements& placements) {
@@ -156,7 +151,7 @@ class Placer {
     if (instanced && !scene_.rig.empty()) scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
     parallelFor(placements.count, 4096, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
-        const glm::dmat4 below = placements[k];
+        const glm::dmat4 below = instanced ? nodeFromCopy(placements.copies, k) : glm::dmat4(1);
         scene_.instances[first + k].toWorld = toWorldFromGltf() * glm::translate(world * below, origin);
         if (instanced) scene_.instances[first + k].copy = int(k);
         // The offsets of the instances of a node that may be animated.

@@ -77,6 +77,8 @@ void runJobs(const std::vector<Job>& jobs, const std::string& name) {
 uint64_t geometryBytes(const Scene& scene) {
   uint64_t bytes = scene.instances.size() * sizeof(Instance) + scene.nodes.size() * sizeof(Node) +
                    scene.fileNodes.size() * sizeof(RigNode);
+  for (const auto& [node, copies] : scene.fileCopies)
+    bytes += (copies.translations.size() + copies.rotations.size() + copies.scales.size()) * sizeof(vec4);
   for (const Mesh& mesh : scene.meshes) bytes += mesh.bytes();
   return bytes;
 }
