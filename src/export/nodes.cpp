@@ -24,7 +24,9 @@
 
 #include "base/log.h"
 #include "export/meshes.h"
+#include "scene/decompose.h"
 #include "scene/light_types.h"
+#include "scene/objects.h"
 #include "scene/rig_edit.h"
 #include "scene/tangents.h"
 #include "shared/light.h"
@@ -53,6 +55,19 @@ Json numbersOf(const glm::vec<N, double>& v) {
 
 dmat4 inFile(const dmat4& toWorld) {
   return toGltfFromWorld() * toWorld;
+}
+
+// Writes a transform as a node of the scene states it.
+void setTransform(Json& node, const RigNode& source) {
+  if (source.hasMatrix) return setMatrix(node, source.matrix);
+  if (source.translation != dvec3(0)) node["translation"] = numbersOf(source.translation);
+  if (source.rotation != glm::dvec4(0, 0, 0, 1)) node["rotation"] = numbersOf(source.rotation);
+  if (source.scale != dvec3(1)) node["scale"] = numbersOf(source.scale);
+}
+
+// Writes a transform that no node of the scene states.
+void setTransform(Json& node, const dmat4& local, dvec3 scaleSigns) {
+  setTransform(node, nodeWithTransform(local, scaleSigns));
 }
 
 bool flattens(const dmat4& toWorld) {
@@ -226,7 +241,11 @@ class NodeWriter {
     for (size_t i = 0; i < scene_.nodes.size(); ++i) {
       if (isFree[i]) continue;
       Json node{{"name", scene_.nodes[i].name}};
-      setMatrix(node, localOf(i));
+      const dmat4 local = localOf(i);
+      if (i < scene_.fileNodes.size() && local == scene_.nodes[i].local)
+        setTransform(node, scene_.fileNodes[i]);
+      else
+        setTransform(node, local, nodeScaleSigns(scene_, static_cast<uint32_t>(i)));
       if (isHidden_[i] && !isBelowHidden(i)) hide(node);
       const int parent = scene_.nodes[i].parent;
       const bool root = isRoot(i);
@@ -271,21 +290,18 @@ class NodeWriter {
     places_.resize(scene_.nodes.size());
     for (size_t i = 0; i < places_.size(); ++i) places_[i] = scene_.nodes[i].toWorld;
     std::vector<const Node*> source(rig.nodes.size());
-    std::vector<std::optional<dmat4>> edited(rig.nodes.size());  // the local transforms of nodes that an edit has moved
+    std::vector<std::optional<RigNode>> edited(rig.nodes.size());  // nodes that an edit has moved
     for (size_t i = 0; i < rig.sceneNodes.size(); ++i) {
       const uint32_t node = rig.sceneNodes[i];
       source[node] = &scene_.nodes[i];
       const bool isPlaced = groups_[i].size() == 1 && !groups_[i][0].follows && groups_[i][0].copy < 0;
       if (!isPlaced || isFollowed[node] || isMoving_[node]) continue;
       places_[i] = groups_[i][0].toWorld;
-      edited[node] = localOf(i);
+      edited[node] = nodeWithTransform(localOf(i), nodeScaleSigns(scene_, static_cast<uint32_t>(i)));
     }
     for (size_t i = 0; i < rig.nodes.size(); ++i) {
       Json node{{"name", source[i] ? source[i]->name : fmt::format("node{}", i)}};
-      if (edited[i])
-        setMatrix(node, *edited[i]);
-      else
-        setTransform(node, rig.nodes[i]);
+      setTransform(node, edited[i] ? *edited[i] : rig.nodes[i]);
       if (!rig.nodes[i].visible) hide(node);
       document_.add("nodes", std::move(node));
       parents_.push_back(rig.nodes[i].parent);
@@ -307,16 +323,9 @@ class NodeWriter {
         continue;
       }
       Json node{{"name", scene_.nodes[i].name}};
-      setMatrix(node, inFile(places_[i]));
+      setTransform(node, inFile(places_[i]), nodeScaleSigns(scene_, static_cast<uint32_t>(i)));
       nodes_.push_back(addNode(std::move(node), -1));
     }
-  }
-
-  static void setTransform(Json& node, const RigNode& source) {
-    if (source.hasMatrix) return setMatrix(node, source.matrix);
-    if (source.translation != dvec3(0)) node["translation"] = numbersOf(source.translation);
-    if (source.rotation != glm::dvec4(0, 0, 0, 1)) node["rotation"] = numbersOf(source.rotation);
-    if (source.scale != dvec3(1)) node["scale"] = numbersOf(source.scale);
   }
 
   void hide(Json& node) { document_.extension(node, "KHR_node_visibility")["visible"] = false; }
@@ -350,7 +359,7 @@ class NodeWriter {
   // Adds a root node with instances that an edit has placed.
   void addPlaced(uint32_t node, const Group& group) {
     Json placed{{"name", scene_.nodes[node].name}};
-    setMatrix(placed, inFile(group.toWorld));
+    setTransform(placed, inFile(group.toWorld), instanceScaleSigns(scene_, group.instances[0]));
     if (group.hidden) hide(placed);
     const int index = addNode(std::move(placed), -1);
     setMesh(node, index, group);
@@ -367,10 +376,10 @@ class NodeWriter {
 
   // Adds the joints of a copy's skin again. They are not below the copy's node, because the nodes above it, which may
   // be animated, do not move a skinned mesh.
-  void placeSkinOfCopy(const Group& group, int copy, const dmat4& offset) {
+  void placeSkinOfCopy(const Group& group, int copy) {
     if (group.skin < 0) return;
     Json skeleton{{"name", fmt::format("{} skeleton", at(copy)["name"].get<std::string>())}};
-    setMatrix(skeleton, offset);
+    setOffset(skeleton, group);
     at(copy)["skin"] = copySkin(group.skin, addNode(std::move(skeleton), -1));
   }
 
@@ -397,24 +406,42 @@ class NodeWriter {
     return rig.skins.size() + exported_.skinCopies.size() - 1;
   }
 
+  // Writes the transform that a copy by EXT_mesh_gpu_instancing has relative to its node in the file.
+  void setOffset(Json& node, const Group& group) const {
+    const Instance& instance = scene_.instances[group.instances[0]];
+    RigNode offset = statedTransform(scene_.fileCopies.at(instance.node), static_cast<size_t>(instance.copy));
+    // Integers of the file state rotations that are not of unit length. A rotation of 0 is read as none.
+    const double length = glm::length(offset.rotation);
+    offset.rotation = length > 0 ? offset.rotation / length : glm::dvec4(0, 0, 0, 1);
+    setTransform(node, offset);
+  }
+
+  // True if a group of copies is where its node and the file place it.
+  bool isAtOffset(uint32_t node, const Group& group) const {
+    if (group.copy < 0) return false;
+    if (group.follows) return true;
+    const dmat4 offset = nodeFromCopy(scene_.fileCopies.at(node), static_cast<size_t>(group.copy));
+    return places_[node] * offset == group.toWorld;
+  }
+
   void addBelow(uint32_t node, const Group& group) {
     const dmat4& parent = places_[node];
-    const bool hasOffset = group.follows && group.copy >= 0 && !scene_.rig.offsets.empty();
+    const bool hasOffset = isAtOffset(node, group);
     const bool leavesParent = !hasOffset && group.toWorld != parent && flattens(parent);
     const std::string name = group.copy >= 0 ? fmt::format("instance{}", group.copy) : scene_.nodes[node].mesh;
     Json below{{"name", name}};
     if (hasOffset)
-      setMatrix(below, scene_.rig.offsets[group.instances[0]]);
+      setOffset(below, group);
     else if (leavesParent)
-      setMatrix(below, inFile(group.toWorld));
+      setTransform(below, inFile(group.toWorld), instanceScaleSigns(scene_, group.instances[0]));
     else if (group.toWorld != parent)
-      setMatrix(below, glm::inverse(parent) * group.toWorld);
+      setTransform(below, glm::inverse(parent) * group.toWorld, copyScaleSigns(scene_, group.instances[0]));
     if (leavesParent) warnOfRoot(name);
     const int index = addNode(std::move(below), leavesParent ? -1 : nodes_[node]);
     if (group.hidden && (leavesParent || !isHidden_[node])) hide(at(index));
     setMesh(node, index, group);
-    if (hasOffset)
-      placeSkinOfCopy(group, index, scene_.rig.offsets[group.instances[0]]);
+    if (group.follows && group.copy >= 0)
+      placeSkinOfCopy(group, index);
     else if (!group.follows)
       placeSkin(group, index);
   }
@@ -548,7 +575,7 @@ class NodeWriter {
       dmat4 place = toGltfFromWorld() * dmat4(glm::dmat3(light.axes));
       place[3] = glm::dvec4(position, 1);
       Json node{{"name", light.name.empty() ? "light" : light.name}};
-      setMatrix(node, place);
+      setTransform(node, place, dvec3(1));
       if (light.hidden) hide(node);
       return addNode(std::move(node), -1);
     }

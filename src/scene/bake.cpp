@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "scene/decompose.h"
+
 namespace latelight::scene {
 
 namespace {
@@ -96,8 +98,13 @@ void setLocals(Rig& rig, const std::vector<dmat4>& world) {
     const dmat4 parent = node.parent < 0 ? dmat4(1) : world[static_cast<size_t>(node.parent)];
     const dmat4 local = node.hasMatrix ? node.matrix : composeTransform(node.translation, node.rotation, node.scale);
     if (parent * local == world[i] || glm::determinant(parent) == 0) continue;
-    node.hasMatrix = true;
-    node.matrix = glm::inverse(parent) * world[i];
+    const RigNode baked =
+        nodeWithTransform(glm::inverse(parent) * world[i], node.hasMatrix ? dvec3(1) : signsOf(node.scale));
+    node.hasMatrix = baked.hasMatrix;
+    node.matrix = baked.matrix;
+    node.translation = baked.translation;
+    node.rotation = baked.rotation;
+    node.scale = baked.scale;
   }
 }
 
@@ -120,7 +127,9 @@ void bakeRig(Scene& scene, Pose at) {
   rig.animations.clear();
   rig.materials.clear();
   const auto deforms = [](const Mesh& mesh) { return !mesh.removed && mesh.deformation; };
-  if (rig.skins.empty() && std::ranges::none_of(scene.meshes, deforms)) rig = {};
+  if (!rig.skins.empty() || std::ranges::any_of(scene.meshes, deforms)) return;
+  for (const uint32_t node : rig.sceneNodes) scene.fileNodes.push_back(std::move(rig.nodes[node]));
+  rig = {};
 }
 
 }  // namespace

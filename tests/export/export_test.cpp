@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -18,6 +20,7 @@
 #include "scene/edit.h"
 #include "scene/gltf_builder.h"
 #include "scene/load/load.h"
+#include "scene/objects.h"
 #include "scene/textures/texture.h"
 
 namespace latelight::scene::test {
@@ -535,6 +538,124 @@ test::json pointer(const std::string& path) {
   return {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", path}}}}}};
 }
 
+// The nodes of a .glb file by their names. Its first chunk is JSON (glTF 2.0, 4.4).
+std::map<std::string, json> exportedNodes(const Scene& scene) {
+  const app::Folder folder;
+  exports::exportScene(scene, folder.at("out.glb"));
+  const std::vector<std::byte> bytes = readFile(folder.at("out.glb"));
+  uint32_t length = 0;
+  std::memcpy(&length, bytes.data() + 12, sizeof length);
+  const auto* text = reinterpret_cast<const char*>(bytes.data()) + 20;
+  const json document = json::parse(text, text + length);
+  std::map<std::string, json> nodes;
+  for (const json& node : document["nodes"]) nodes[node["name"]] = node;
+  return nodes;
+}
+
+dvec3 vectorOf(const json& values) {
+  return {values[0], values[1], values[2]};
+}
+
+// The signs of the scale that an object's own frame does not contain, by node or copy.
+std::map<std::string, dvec3> scaleSigns(const Scene& scene) {
+  std::map<std::string, dvec3> signs;
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    const std::string copy = instance.copy < 0 ? "" : fmt::format("/instance{}", instance.copy);
+    signs[scene.nodes[instance.node].path + copy] = objectScaleSigns(scene, {&i, 1});
+  }
+  return signs;
+}
+
+// Nodes `flat`, `mirrored` and `turned` with a matrix, and copies of `copied`, whose scales a matrix cannot state: glTF
+// has no matrices that scale an axis to 0 (3.5.3), and a matrix does not state which axes it mirrors.
+GltfBuilder scaledFile() {
+  GltfBuilder file = triangleFile();
+  const double h = std::sqrt(0.5);
+  file.root["nodes"][0] = {{"name", "flat"}, {"mesh", 0}, {"rotation", {h, 0, 0, h}}, {"scale", {1, 0, 2}}};
+  file.node({{"name", "mirrored"}, {"mesh", 0}, {"translation", {1, 2, 3}}, {"scale", {1, -1, 1}}});
+  file.node({{"name", "turned"}, {"mesh", 0}, {"matrix", {0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 1, 2, 3, 1}}});
+  const int copied = file.node({{"name", "copied"}, {"mesh", 0}, {"scale", {2, 2, 2}}});
+  const float f = std::sqrt(0.5f);
+  file.root["nodes"][size_t(copied)]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+      {"TRANSLATION", file.positions({{10, 0, 0}, {20, 0, 0}, {30, 0, 0}})},
+      {"ROTATION", file.vectors(std::vector<vec4>{{0, 0, f, f}, {0, 0, f, f}, {0, 0, 0, 1}})},
+      {"SCALE", file.positions({{1, -1, -3}, {1, 0, 1}, {0, 0, 0}})}};
+  return file;
+}
+
+void expectScales(const std::map<std::string, json>& nodes) {
+  for (const auto& [name, scale] : {std::pair("flat", dvec3(1, 0, 2)),
+                                    {"mirrored", dvec3(1, -1, 1)},
+                                    {"instance0", dvec3(1, -1, -3)},
+                                    {"instance1", dvec3(1, 0, 1)},
+                                    {"instance2", dvec3(0, 0, 0)}}) {
+    const json& node = nodes.at(name);
+    EXPECT_FALSE(node.contains("matrix")) << name;
+    ASSERT_TRUE(node.contains("scale")) << name;
+    EXPECT_LT(glm::length(vectorOf(node["scale"]) - scale), 1e-12) << name;
+  }
+}
+
+TEST(Export, NodesAndCopiesKeepTheirScales) {
+  for (const bool isAnimated : {false, true}) {
+    GltfBuilder file = scaledFile();
+    if (isAnimated) animate(file, {{"node", 3}, {"path", "translation"}}, {0, 0, 0}, {4, 0, 0});
+    const Scene scene = file.load();
+    const std::map<std::string, json> nodes = exportedNodes(scene);
+    expectScales(nodes);
+    EXPECT_TRUE(nodes.at("turned").contains("matrix"));
+    const Scene again = exported(scene);
+    EXPECT_EQ(scaleSigns(again), scaleSigns(scene));
+    ASSERT_EQ(again.instances.size(), scene.instances.size());
+    for (size_t i = 0; i < again.instances.size(); ++i)
+      expectNear(again.instances[i].toWorld, scene.instances[i].toWorld);
+  }
+}
+
+// An edit moves the node `mirrored` and a copy, and makes the node `turned` flat.
+TEST(Export, MovedNodesKeepTheirScales) {
+  for (const bool isAnimated : {false, true}) {
+    GltfBuilder file = scaledFile();
+    if (isAnimated) animate(file, {{"node", 0}, {"path", "translation"}}, {0, 0, 0}, {4, 0, 0});
+    Scene scene = file.load();
+    const auto instanceAt = [&](const char* path) {
+      return static_cast<uint32_t>(partOf(scene, hash32(path)) - scene.instances.data());
+    };
+    const dmat4 moved = glm::rotate(dmat4(1), 0.7, dvec3(0, 0, 1));
+    for (const char* path : {"/mirrored", "/copied/instance0"})
+      setTransform(scene, instanceAt(path), moved * scene.instances[instanceAt(path)].toWorld);
+    setTransform(scene, instanceAt("/turned"), glm::scale(moved, dvec3(3, 0, 3)));
+    const std::map<std::string, json> nodes = exportedNodes(scene);
+    expectScales(nodes);
+    for (const auto& [name, node] : nodes) EXPECT_FALSE(node.contains("mesh") && node.contains("matrix")) << name;
+    const Scene again = exported(scene);
+    EXPECT_EQ(scaleSigns(again)["/mirrored"], dvec3(1, -1, 1));
+    EXPECT_EQ(scaleSigns(again)["/copied/instance0"], dvec3(1, -1, -1));
+    for (const char* path : {"/mirrored", "/copied/instance0"})
+      expectNear(partOf(again, hash32(path))->toWorld, scene.instances[instanceAt(path)].toWorld);
+    const auto isFlattened = [&](const Instance& i) {
+      const dmat4 error = i.toWorld - scene.instances[instanceAt("/turned")].toWorld;
+      return std::ranges::all_of(std::array{0, 1, 2, 3}, [&](int c) { return glm::length(error[c]) < 1e-12; });
+    };
+    EXPECT_EQ(std::ranges::count_if(again.instances, isFlattened), 1);
+  }
+}
+
+// Copies of a flat node are not moved, so they stay below it.
+TEST(Export, CopiesStayBelowFlatNodes) {
+  GltfBuilder file = scaledFile();
+  file.root["nodes"][3]["scale"] = {1, 0, 1};
+  const Scene scene = file.load(), again = exported(scene);
+  for (const char* path : {"/copied/instance0", "/copied/instance1", "/copied/instance2"}) {
+    const Instance *before = partOf(scene, hash32(path)), *after = partOf(again, hash32(path));
+    ASSERT_TRUE(before && after) << path;
+    EXPECT_EQ(again.nodes[after->node].path, path);
+    expectNear(after->toWorld, before->toWorld);
+  }
+  expectScales(exportedNodes(scene));
+}
+
 // At a quarter of a second: nodes, a material, a light, and a node that is not visible.
 TEST(Export, BakedValuesAreThoseOfTheTime) {
   const app::Folder folder;
@@ -583,6 +704,23 @@ const Instance* findInstance(const Scene& scene, const std::string& path) {
   for (const Instance& instance : scene.instances)
     if (!instance.removed && scene.nodes[instance.node].path == path) return &instance;
   return nullptr;
+}
+
+TEST(Export, BakedNodesKeepTheirScales) {
+  GltfBuilder file = scaledFile();
+  for (const int node : {0, 1, 3}) animate(file, {{"node", node}, {"path", "translation"}}, {0, 0, 0}, {4, 0, 8});
+  Scene scene = file.load();
+  const std::map<std::string, dvec3> signs = scaleSigns(scene);
+  const Pose pose = poseAt(scene, {.animations = {0}}, 0.25);
+  const std::vector<dmat4> places = instanceTransforms(scene, pose);
+  bakePose(scene, pose);
+  const std::map<std::string, json> nodes = exportedNodes(scene);
+  expectScales(nodes);
+  EXPECT_EQ(vectorOf(nodes.at("mirrored")["translation"]), dvec3(1, 0, 2));
+  const Scene again = exported(scene);
+  EXPECT_EQ(scaleSigns(again), signs);
+  ASSERT_EQ(again.instances.size(), places.size());
+  for (size_t i = 0; i < places.size(); ++i) expectNear(again.instances[i].toWorld, places[i]);
 }
 
 // A hidden triangle whose child has a mesh or none, below a visible node, and a hidden node without a mesh that has a
