@@ -77,9 +77,7 @@ struct Rig {
   std::vector<uint32_t> order;  // node indices, parents first
   std::vector<Skin> skins;
   std::vector<Animation> animations;
-  std::vector<uint32_t> sceneNodes;  // for each of Scene::nodes, its index in `nodes`
-  // EXT_mesh_gpu_instancing: each instance's transform relative to its node. Empty if no node has several instances.
-  std::vector<glm::dmat4> offsets;
+  std::vector<uint32_t> sceneNodes;             // for each of Scene::nodes, its index in `nodes`
   std::map<uint32_t, MaterialParts> materials;  // source values of the materials that animations change, by index
 
   bool empty() const { return nodes.empty(); }

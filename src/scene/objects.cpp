@@ -33,13 +33,10 @@ dvec3 skinOrigin(const Scene& scene, const Instance& instance) {
   return scene.rig.skins[static_cast<size_t>(deformation->skin)].origin;
 }
 
-// Returns the world transform that an instance has before edits and worlds move it. It is not known for copies that
-// edits have moved in scenes without animations, which store only the copies' present transforms.
-std::optional<dmat4> unplacedToWorld(const Scene& scene, const Pose& pose, uint32_t instance) {
+// Returns the world transform that an instance has before edits and worlds move it.
+dmat4 unplacedToWorld(const Scene& scene, const Pose& pose, uint32_t instance) {
   const Instance& i = scene.instances[instance];
-  if (!i.placed && pose.empty()) return i.toWorld;
-  if (i.copy >= 0 && scene.rig.offsets.empty()) return std::nullopt;
-  return followedToWorld(scene, pose, instance);
+  return !i.placed && pose.empty() ? i.toWorld : followedToWorld(scene, pose, instance);
 }
 
 // Returns true if two affine transforms are equal up to the rounding of floats. `reach`: the largest coordinates, whose
@@ -154,7 +151,8 @@ dmat4 nodeToWorld(const Scene& scene, const Pose& pose, uint32_t node) {
 dmat4 followedToWorld(const Scene& scene, const Pose& pose, uint32_t instance) {
   const Instance& followed = scene.instances[instance];
   dmat4 toWorld = followed.posed ? toWorldFromGltf() : nodeToWorld(scene, pose, followed.node);
-  if (instance < scene.rig.offsets.size()) toWorld = toWorld * scene.rig.offsets[instance];
+  if (followed.copy >= 0)
+    toWorld = toWorld * nodeFromCopy(scene.fileCopies.at(followed.node), static_cast<size_t>(followed.copy));
   return followed.posed ? glm::translate(toWorld, skinOrigin(scene, followed)) : toWorld;
 }
 
@@ -163,14 +161,13 @@ std::optional<dmat4> commonDisplacement(const Scene& scene, const Pose& pose, st
   std::optional<dmat4> displacement;
   double firstReach = 0;
   for (const uint32_t i : instances) {
-    const std::optional<dmat4> unplaced = unplacedToWorld(scene, pose, i);
-    if (!unplaced) return std::nullopt;
+    const dmat4 unplaced = unplacedToWorld(scene, pose, i);
     if (!displacement) {
-      displacement = toWorld[i] == *unplaced ? dmat4(1) : toWorld[i] * glm::inverse(*unplaced);
-      firstReach = reachOf(toWorld[i]) + reachOf(*unplaced);
+      displacement = toWorld[i] == unplaced ? dmat4(1) : toWorld[i] * glm::inverse(unplaced);
+      firstReach = reachOf(toWorld[i]) + reachOf(unplaced);
     }
-    const double reach = firstReach + reachOf(toWorld[i]) + reachOf(*unplaced);
-    if (!isNear(*displacement * *unplaced, toWorld[i], reach)) return std::nullopt;
+    const double reach = firstReach + reachOf(toWorld[i]) + reachOf(unplaced);
+    if (!isNear(*displacement * unplaced, toWorld[i], reach)) return std::nullopt;
   }
   return displacement;
 }

@@ -33,7 +33,7 @@ dmat4 nodeToWorld(const Scene& scene, const Pose& pose, uint32_t node);
 dmat4 followedToWorld(const Scene& scene, const Pose& pose, uint32_t instance);
 
 // Returns the transform in the world by which edits or worlds have moved all these instances from their nodes' places.
-// Empty if they moved differently, beyond rounding, or if the place of one is not known. `toWorld`: of all instances.
+// Empty if they moved differently, beyond rounding. `toWorld`: of all instances.
 std::optional<dmat4> commonDisplacement(const Scene& scene, const Pose& pose, std::span<const dmat4> toWorld,
                                         std::span<const uint32_t> instances);
 

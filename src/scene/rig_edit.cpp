@@ -48,8 +48,6 @@ void coverNodes(Scene& scene) {
   // Nothing below allocates: nodes of the rig that lack an entry in another list would be invalid.
   for (std::vector<uint32_t>* list : {&rig.sceneNodes, &rig.order}) reserveMore(*list, scene.nodes.size() - first);
   reserveMore(rig.nodes, scene.nodes.size() - first);
-  if (std::ranges::any_of(scene.instances, [](const Instance& i) { return i.copy >= 0; }))
-    rig.offsets.reserve(scene.instances.size());
   for (size_t i = first; i < scene.nodes.size(); ++i) {
     const Node& node = scene.nodes[i];
     RigNode rigged = uncoveredNode(scene, i);
@@ -59,12 +57,6 @@ void coverNodes(Scene& scene) {
     rig.nodes.push_back(std::move(rigged));
   }
   scene.fileNodes = {};
-  for (size_t i = 0; i < scene.instances.size(); ++i) {
-    const Instance& instance = scene.instances[i];
-    if (instance.removed || instance.node < first || instance.copy < 0 || instance.placed) continue;
-    rig.offsets.resize(scene.instances.size(), dmat4(1));
-    rig.offsets[i] = nodeFromCopy(scene.fileCopies.at(instance.node), static_cast<size_t>(instance.copy));
-  }
 }
 
 // --- nodes ----------------------------------------------------------------------------------------------------------
@@ -144,8 +136,6 @@ void addParts(Scene& scene, const NewNode& added, uint32_t node, const std::vect
     instance.hidden = isHidden;
     instance.toWorld = placeOf(scene, node, part.mesh);
     const uint32_t index = placeInstance(scene, instance);
-    if (!scene.rig.offsets.empty()) scene.rig.offsets.resize(scene.instances.size(), dmat4(1));
-    if (!scene.rig.offsets.empty()) scene.rig.offsets[index] = dmat4(1);
     scene.edits.instances.note(index);
   }
 }
@@ -225,8 +215,6 @@ uint32_t addNode(Scene& scene, const NewNode& added) {
   std::map<uint32_t, Mesh> weighted = weightedMeshes(scene, added, rigNode);
   scene.edits.meshes.reserve(scene.meshes.size(), weighted.size());
   reserveSlots(scene.instances, scene.edits.instanceGaps, scene.edits.instances, added.parts.size());
-  std::vector<dmat4>& offsets = scene.rig.offsets;
-  if (!offsets.empty()) reserveMore(offsets, scene.instances.size() + added.parts.size() - offsets.size());
 
   ids.keep();
   appended.keep();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_access.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 #include <set>
 #include <unordered_set>
 
@@ -12,6 +13,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "gltf_builder.h"
+#include "scene/edit.h"
 #include "scene/framing.h"
 #include "scene/objects.h"
 #include "shared/light.h"
@@ -169,6 +171,24 @@ TEST(GltfNodes, ObjectsHaveTheAxesOfTheirScales) {
         EXPECT_EQ(objectScaleSigns(scene, {&first, 1}), glm::sign(scale) * dvec3(1, -1, -1));
       }
     }
+}
+
+// An edit that moves all copies of a group alike moves the group's frame, which is that of their node.
+TEST(GltfNodes, MovedCopiesMoveTheFrameOfTheirGroup) {
+  GltfBuilder b = triangleFile();
+  b.root["nodes"][0]["name"] = "Trees";
+  b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+      {"TRANSLATION", b.positions({{1, 0, 0}, {2, 0, 0}})}};
+  Scene scene = b.load();
+  ASSERT_EQ(scene.instances.size(), 2u);
+  for (Instance& instance : scene.instances) instance.id = scene.nodes[0].id;
+  const std::vector<uint32_t> both{0, 1};
+  const auto frame = [&] { return objectToWorld(scene, {}, instanceTransforms(scene, {}), both); };
+  const dmat4 move = glm::translate(dmat4(1), dvec3(0, 0, 5));
+  setTransform(scene, 0, move * scene.instances[0].toWorld);
+  EXPECT_EQ(frame(), scene.nodes[0].toWorld);
+  setTransform(scene, 1, move * scene.instances[1].toWorld);
+  EXPECT_EQ(frame(), move * scene.nodes[0].toWorld);
 }
 
 TEST(GltfNodes, GpuInstancingByAttributesOfApplications) {

@@ -104,7 +104,6 @@ class Placer {
   std::vector<MeshRequest> run() {
     for (Node& node : scene_.nodes) node.id = ids_.make(node.path);
     for (size_t i = 0; i < hierarchy_.order.size(); ++i) placeNode(i);
-    if (!scene_.rig.offsets.empty()) scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
     return std::move(requests_);
   }
 
@@ -148,14 +147,11 @@ class Placer {
     const size_t first = scene_.instances.size();
     scene_.instances.resize(first + placements.count, instance);
     addVariants(primitive, first);
-    if (instanced && !scene_.rig.empty()) scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
     parallelFor(placements.count, 4096, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
         const glm::dmat4 below = instanced ? nodeFromCopy(placements.copies, k) : glm::dmat4(1);
         scene_.instances[first + k].toWorld = toWorldFromGltf() * glm::translate(world * below, origin);
         if (instanced) scene_.instances[first + k].copy = int(k);
-        // The offsets of the instances of a node that may be animated.
-        if (instanced && !scene_.rig.empty()) scene_.rig.offsets[first + k] = below;
       }
     });
   }

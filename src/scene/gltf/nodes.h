@@ -25,7 +25,7 @@ Hierarchy readNodes(const Document& document, Scene& scene);
 void readCameras(const Document& document, const Hierarchy& hierarchy, Scene& scene);
 void readLights(const Document& document, const Hierarchy& hierarchy, Scene& scene);
 
-// Fills scene.rig if the file has animations or skins, except for the offsets of instances; otherwise scene.fileNodes.
+// Fills scene.rig if the file has animations or skins; otherwise scene.fileNodes.
 // Throws Error(BadInput).
 void readRig(const Document& document, const Hierarchy& hierarchy, Scene& scene);
 
