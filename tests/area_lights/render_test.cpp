@@ -432,6 +432,19 @@ TEST_F(AreaLightTest, UnblockedRaysFindTheLightWithoutShadows) {
   for (size_t i = 0; i < with.size(); ++i) EXPECT_NEAR(with[i], without[i], 4e-3f * (0.1f + without[i])) << i;
 }
 
+// Many lights at one place are one light with the sum of their luminances, although some devices round half floats
+// down.
+TEST_F(AreaLightTest, TheLightOfManyLightsIsTheirSum) {
+  const std::vector<scene::Light> one = {areaLight(shared::kLightDisk, {0, 0, 1}, 0.5f)};
+  std::vector<scene::Light> many(shared::kMaxAreaLights, one[0]);
+  for (scene::Light& light : many) light.intensity /= shared::kMaxAreaLights;
+  const Stage stage(lambertian(), many);
+  Settings settings = stage.settings();
+  settings.shadows = ShadowFormat::Rays;
+  settings.samples = 2;
+  EXPECT_LT(differenceOf(rendered(stage, settings), stage, one).worst, 2e-3);
+}
+
 // A wall hides the part of the light whose elements it blocks.
 TEST_F(AreaLightTest, PenumbraeAreThoseOfTheVisiblePart) {
   for (const scene::Light& light : allShapes()) {

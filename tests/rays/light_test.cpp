@@ -287,6 +287,60 @@ TEST_F(RayLightTest, EachLightMayHaveAsManyRaysAsACpuCanLoopOver) {
   EXPECT_GT(dark, 30u);
 }
 
+// Lights of pi lux in total give a white floor the radiance 1, however many they are, although some devices round half
+// floats down.
+TEST_F(RayLightTest, TheLightOfManyLightsIsTheirSum) {
+  for (const float size : {0.0f, 0.01f})
+    for (const size_t count : {size_t{5}, size_t{256}}) {
+      scene::Light sun = sunFrom({0, 0, 1});
+      sun.intensity = kPi / static_cast<float>(count);
+      sun.size = size;
+      FloorScene floor(boxMesh(), glm::dmat4(1), sun);
+      floor.builder.scene.instances.pop_back();
+      floor.builder.scene.lights.assign(count, sun);
+      Settings settings = floor.settings();
+      settings.width = settings.height = 8;
+      settings.shadowLights = {.automatic = false, .most = ShadowLights::kAll, .names = {}};
+      settings.samples = 20;
+      const output::FrameOutput frame = renderOne(device(), floor.builder.scene, floor.camera, settings);
+      EXPECT_NEAR(meanColor(frame), 1, 1.5e-3) << count << " lights of size " << size;
+    }
+}
+
+TEST_F(RayLightTest, ViewsWithOtherLightsHaveTheLightOfViewsAlone) {
+  glm::dmat4 placed(0.3);
+  placed[3] = glm::dvec4(0, 0, 0.6, 1);
+  scene::Light lamp = sunFrom({0, 0, 1});
+  lamp.type = shared::kLightPoint;
+  lamp.intensity = 0.7f;
+  lamp.range = 2.5f;
+  FloorScene floor(boxMesh(), placed, lamp);
+  std::vector<scene::Light>& lights = floor.builder.scene.lights;
+  lights.clear();
+  for (int i = 0; i < 24; ++i) {
+    lamp.position = dvec3(0.3 * i - 3.6, 0.2 * (i % 5) - 0.4, 1.5);
+    lamp.size = i > 20 ? 0.2f : 0.0f;
+    lights.push_back(lamp);
+  }
+  Settings settings = floor.settings();
+  settings.width = settings.height = 24;
+  settings.samples = 8;
+  settings.shadowLights = {.automatic = false, .most = ShadowLights::kAll, .names = {}};
+  scene::Camera left = floor.camera, right = floor.camera;
+  left.yHalf = right.yHalf = 1;
+  left.toWorld[3].x = -2.5;
+  right.toWorld[3].x = 2.5;
+  Renderer renderer(device(), floor.builder.scene, nullptr);
+  const std::vector<scene::Camera> cameras = {left, floor.camera, right};
+  const std::vector<output::FrameOutput> together = renderer.render(cameras, settings);
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    const output::FrameOutput alone = renderOne(device(), floor.builder.scene, cameras[i], settings);
+    EXPECT_GT(meanColor(alone), 0.1f);
+    for (size_t k = 0; k < imageOf(alone, Aov::Color).values.size(); ++k)
+      EXPECT_NEAR(imageOf(together[i], Aov::Color).values[k], imageOf(alone, Aov::Color).values[k], 1e-3f);
+  }
+}
+
 // --- light between surfaces ------------------------------------------------------------------------------------------
 
 // Inside a closed box whose walls emit e and reflect a fraction r, the radiance after n surfaces is the geometric

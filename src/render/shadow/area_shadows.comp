@@ -18,6 +18,7 @@
 #include "shared/area_samples.h"
 
 layout(push_constant, scalar) uniform Push { AreaShadowsPush push; };
+#include "render/shadow/light_sums.glsl"
 
 // The reflected light of sampled points through both lobes, and the part of it that is not blocked.
 struct ShadowSum {
@@ -55,8 +56,8 @@ vec3 shadowedLight(FrameConstants frame, View view, SurfaceBrdf brdf, AreaLobes 
          r.mirrored * (sum.litMirrored / max(sum.mirrored, 1e-30));
 }
 
-vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
-  vec3 radiance = vec3(0.0);
+// Returns `radiance` plus that of the lights of this pass.
+vec3 lightsAt(FrameConstants frame, View view, LitPixel p, vec3 radiance) {
   SurfaceBrdf brdf = surfaceBrdf(p.s, p.toEye, kShading);
   AreaLobes lobes = surfaceLobes(frame, p.s, brdf);
   uint i = push.first;
@@ -74,6 +75,5 @@ void main() {
   bool inside = all(lessThan(vec2(place.xy), view.size));
   LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);
   if (!inside || !p.lit || p.shadedSeparately || !reflects(p.s)) return;
-  vec4 before = imageLoad(lightTarget, place);
-  imageStore(lightTarget, place, vec4(min(before.rgb + lightsAt(frame, view, p) * frame.exposure, vec3(65504.0)), before.a));
+  addLight(frame, place, lightsAt(frame, view, p, lightBefore(place)));
 }

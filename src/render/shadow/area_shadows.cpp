@@ -29,20 +29,23 @@ void addAreaShadows(const FrameContext& f, const Gbuffer& gbuffer) {
   if (cpu && f.setup.areaShadowRays > kMaxRaysOnCpu)
     badUsage("a CPU device supports at most {} shadow rays per light, but --samples requests {}", kMaxRaysOnCpu,
              f.setup.areaShadowRays);
-  // On a CPU device, each light has its own pass, because a shader's loops are limited there, too (ray_shadows.h).
-  const uint32_t count = f.scene.areaLights(), atOnce = cpu ? 1 : count;
-  for (uint32_t first = 0; first < count; first += atOnce) {
+  const uint32_t count = f.scene.areaLights();
+  const LightPasses passes = lightPasses(f, count);
+  for (uint32_t first = 0; first < count; first += passes.atOnce) {
     ComputePass pass = lightingPass(f, gbuffer, "area shadows", "area_shadows.comp", {.picture = true, .counts = true});
     pass.fullImage = false;
     const shared::AreaShadowsPush push{.frame = f.constants,
                                        .shown = {},
                                        .first = first,
-                                       .end = std::min(first + atOnce, count),
+                                       .end = std::min(first + passes.atOnce, count),
                                        .rays = f.setup.areaShadowRays,
-                                       .padding = 0};
-    addCompute(f, std::move(pass), [push, visible = gbuffer.visible](graph::Context& context) {
+                                       .count = count,
+                                       .sums = 0};
+    useSums(pass, passes, first);
+    addCompute(f, std::move(pass), [push, sums = passes.sums, visible = gbuffer.visible](graph::Context& context) {
       shared::AreaShadowsPush filled = push;
       filled.shown = surfacePush(visible, context);
+      if (sums) filled.sums = context.buffer(sums).address();
       return filled;
     });
   }

@@ -12,7 +12,8 @@ struct AreaShadowsPush {
   VisibleSurfacePush shown;
   uint first, end;  // the area lights of this pass
   uint rays;        // per surface and light
-  uint padding;
+  uint count;       // area lights of all passes
+  uint64_t sums;    // LightSumsRef of light_sums.glsl; unused by a pass of all lights
 };
 
 SH_END

@@ -15,6 +15,7 @@
 #include "render/shadow/ray_shadows_push.h"
 
 layout(push_constant, scalar) uniform Push { RayShadowsPush push; };
+#include "render/shadow/light_sums.glsl"
 
 // 1: the surface is read again after the rays of a light, so that its material takes no registers during traversal.
 layout(constant_id = kReadsSurfaceAgainConstant) const uint kReadsSurfaceAgain = 0u;
@@ -51,8 +52,8 @@ float litByRays(FrameConstants frame, View view, Light light, RayShadow shadow, 
   return lit / float(shadow.rays);
 }
 
-vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
-  vec3 radiance = vec3(0.0);
+// Returns `radiance` plus that of the lights of this pass.
+vec3 lightsAt(FrameConstants frame, View view, LitPixel p, vec3 radiance) {
   uint i = push.first;
   do {
     RayShadow shadow = RayShadowRef(frame.shadowMaps).v[uint(p.place.z) * push.viewStride + i];
@@ -80,6 +81,5 @@ void main() {
   bool inside = all(lessThan(vec2(place.xy), view.size));
   LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);
   if (!inside || !p.lit || p.shadedSeparately || !reflects(p.s)) return;
-  vec4 before = imageLoad(lightTarget, place);
-  imageStore(lightTarget, place, vec4(min(before.rgb + lightsAt(frame, view, p) * frame.exposure, vec3(65504.0)), before.a));
+  addLight(frame, place, lightsAt(frame, view, p, lightBefore(place)));
 }

@@ -12,7 +12,8 @@ struct RayShadowsPush {
   VisibleSurfacePush shown;
   uint first, end;  // columns of FrameConstants::shadowMaps: the lights of this pass
   uint viewStride;  // elements of FrameConstants::shadowMaps from one view to the next; 0: all views have the same
-  uint padding;
+  uint count;       // columns of all passes
+  uint64_t sums;    // LightSumsRef of light_sums.glsl; unused by a pass of all columns
 };
 
 SH_END
