@@ -990,6 +990,36 @@ TEST_F(RayLightTest, LightPassesThinGlass) {
   EXPECT_NEAR(color / 0.02, 0.48 * 0.48, 0.01 * 0.48 * 0.48);
 }
 
+// A white metal of roughness 1 with the sun above it, seen from above. With alpha = 1, GGX is 1 / pi and Smith's
+// visibility 1 / 4, so that pi lux have the radiance 1 / 4. A clearcoat of the same roughness reflects the light that
+// it takes from the metal in the same lobe, and anisotropy does not stretch a lobe of alpha 1. With energy
+// compensation, the metal would reflect more than twice as much.
+TEST_F(RayLightTest, LightsOnCoatsFollowTheShading) {
+  using Edit = std::function<void(shared::MaterialLayers&)>;
+  const std::vector<std::pair<std::string, Edit>> kinds = {
+      {"none", [](auto&) {}},
+      {"clearcoat", [](auto& l) { l.clearcoat = 1, l.clearcoatRoughness = 1; }},
+      {"faint clearcoat", [](auto& l) { l.clearcoat = 1e-3f, l.clearcoatRoughness = 1; }},
+      {"anisotropy", [](auto& l) { l.anisotropy = 0.7f; }},
+      {"faint sheen", [](auto& l) { l.sheenColor = vec3(1e-3f), l.sheenRoughness = 0.5f; }}};
+  for (const auto& [name, edit] : kinds) {
+    FloorScene floor(boxMesh(), glm::dmat4(1), sunFrom({0, 0, 1}));
+    scene::Scene& scene = floor.builder.scene;
+    scene.instances.pop_back();
+    scene.materials[0] = coated(1, edit);
+    scene.materials[0].data.metallic = 1;
+    scene.materials[0].data.id = 1;
+    Settings settings = floor.settings();
+    settings.width = settings.height = 8;
+    settings.samples = 1;
+    settings.lighting = &findTechnique("reference");
+    settings.shading = Shading::Ggx;
+    EXPECT_NEAR(meanColor(renderOne(device(), scene, floor.camera, settings)), 0.25, 0.001) << name;
+    settings.shading = Shading::GgxCompensated;
+    EXPECT_GT(meanColor(renderOne(device(), scene, floor.camera, settings)), 0.4) << name;
+  }
+}
+
 // The sun on a coated sphere, which does not light itself: paths shade it as the lighting techniques do.
 TEST_F(RayLightTest, LightsOnCoatsAreThoseOfTheTechniques) {
   FloorScene floor(sphereMesh(1), glm::dmat4(1), sunFrom({0.3, 0.2, 1}));

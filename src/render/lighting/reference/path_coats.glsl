@@ -244,6 +244,20 @@ float entryDensity(CoatedVertex c, vec3 toEye, vec3 toLight) {
          refractedDensity(c.facets, toEye, acrossPlane(c.facets.normal, toLight), c.ior, facet);
 }
 
+// Returns, for lights, a surface as layeredBrdf() returns it without energy compensation. `base`: its surfaceBrdf()
+// without. Light that passes straight on, or that facets refract, is in no lobe of the BRDF.
+CoatedVertex withoutCompensation(CoatedVertex c, SurfaceBrdf base) {
+  bool passes = maxChannel(c.b.through) > 0.0;
+  c.b.compensated = 0.0;
+  c.b.base = base;
+  c.b.base.diffuse *= keptDiffuse(c.b.layers);
+  addTransmission(c.b, vec2(1.0, 0.0));  // the table is for compensated surfaces only
+  if (!passes) c.b.through = vec3(0.0);
+  c.b.underCoat = 1.0 - c.b.coatReflects;
+  c.b.under = c.b.underCoat * (1.0 - maxChannel(c.b.layers.sheenColor) * c.b.sheenAlbedo);
+  return c;
+}
+
 // The radiance toward the eye from radiance 1 in a direction on either side of the surface, times the cosine.
 vec3 coatedReflectance(CoatedVertex c, Surface s, vec3 toEye, vec3 toLight) {
   if (dot(s.normal, toLight) * dot(s.geonormal, toLight) <= 0.0) return vec3(0.0);

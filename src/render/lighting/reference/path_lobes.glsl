@@ -16,7 +16,7 @@ struct PathVertex {
   float alpha;
   float specular;      // probability with which the specular lobe is sampled
   vec3 mirrored;       // fraction of uniform light that the specular lobe reflects
-  bool coated;         // `coats` replaces `brdf`, `lit` and `specular`
+  bool coated;         // `coats` replaces `brdf` and `specular`
   CoatedVertex coats;
 };
 
@@ -42,10 +42,16 @@ PathVertex pathVertex(Surface s, vec3 toEye, bool visible) {
   return v;
 }
 
+// The radiance toward the eye from radiance 1 in a direction, times the cosine, of a surface with coats.
+vec3 coatedLight(PathVertex v, vec3 toLight, bool isLight) {
+  CoatedVertex coats = v.coats;
+  if (kShading != pathShading() && isLight && v.visible) coats = withoutCompensation(coats, v.lit);
+  return coatedReflectance(coats, v.s, v.toEye, toLight);
+}
+
 // The radiance toward the eye from a light, or from anything else.
 vec3 reflectedLight(PathVertex v, LightSample light, bool isLight) {
-  if (kLayers != 0u && v.coated)
-    return coatedReflectance(v.coats, v.s, v.toEye, light.toLight) * (light.intensity * light.attenuation);
+  if (kLayers != 0u && v.coated) return coatedLight(v, light.toLight, isLight) * (light.intensity * light.attenuation);
   if (dot(v.s.geonormal, light.toLight) <= 0.0) return vec3(0.0);
   if (kShading == pathShading() || !isLight) return shadeLight(v.brdf, light, pathShading());
   return shadeLight(v.lit, light, v.shading);
