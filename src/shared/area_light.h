@@ -434,8 +434,9 @@ SH_FUNC void addTube(SH_INOUT(Outline) o, AreaLight light) {
   o.to = vec2(o.p.y * inverse, o.p.z * inverse);
   o.tangent = acos(min(inverse, 1.0f));
   o.corners = 2u * (kTubeEndSteps + 1u);
-  vec3 turn = cross(outlinePoint(light, o, kTubeEndSteps), outlinePoint(light, o, kTubeEndSteps + 1u));
-  o.sign = sign(dot(turn, o.center));
+  // Seen from outside in the light's space, corners are in the same order from everywhere. Axes that are left-handed
+  // mirror it. Corners of small outlines are too close to compute their order from positions.
+  o.sign = sign(dot(light.x, cross(light.y, light.z)));
 }
 
 SH_FUNC Outline outlineOf(AreaLight light, vec3 position) {

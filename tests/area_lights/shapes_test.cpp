@@ -120,6 +120,32 @@ TEST(FormFactor, OfDistantLightsFallsWithTheSquare) {
     }
 }
 
+// A tube of radius r and length l, whose axis has the angle a to the direction to it, is a punctual light with the area
+// 2 r l sin a + pi r^2 cos a. Axes may be left-handed.
+TEST(FormFactor, OfASmallTubeIsThatOfItsArea) {
+  std::mt19937 engine(1);
+  const auto vector = [&] {
+    std::uniform_real_distribution one(-1.0, 1.0);
+    const double x = one(engine), y = one(engine);
+    return dvec3(x, y, one(engine));
+  };
+  for (const double radius : {1e-5, 1e-4, 1e-3})
+    for (const double length : {1e-5, 1e-4, 1e-3}) {
+      double worst = 0;
+      for (int i = 0; i < 200; ++i) {
+        const dvec3 to = glm::normalize(vector()), x = glm::normalize(vector());
+        const dvec3 y = glm::normalize(glm::cross(x, vector())), z = glm::cross(x, y) * (i % 2 ? 1.0 : -1.0);
+        const dvec3 normal = glm::normalize(to + 0.4 * vector());
+        const AreaLight light = shape(shared::kLightTube, to, x * (length / 2), y * radius, z * radius);
+        const double along = std::abs(glm::dot(x, to)), across = std::sqrt(1 - along * along);
+        const double area = 2 * radius * length * across + M_PI * radius * radius * along;
+        const double expected = area * glm::dot(normal, to) / M_PI;
+        worst = std::max(worst, std::abs(formFactor(light, normal) / expected - 1));
+      }
+      EXPECT_LT(worst, 0.015) << radius << " " << length;
+    }
+}
+
 // --- shapes at random ------------------------------------------------------------------------------------------------
 
 class RandomShapes {
