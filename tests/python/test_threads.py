@@ -12,8 +12,10 @@ import pytest
 
 import latelight
 
+# Background jobs of a shell ignore SIGINT.
 LONG = """
-import sys, time, latelight
+import signal, sys, time, latelight
+signal.signal(signal.SIGINT, signal.default_int_handler)
 scene = latelight.Scene("builtin:hall,triangles=60k,lights=20")
 renderer = latelight.Renderer(scene, sys.argv[1])
 camera = scene.default_camera()
