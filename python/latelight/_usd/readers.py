@@ -15,7 +15,7 @@ _INPUTS = {
 
 
 class Reader(NamedTuple):
-    """The name of the primvar, and the value if a mesh does not have it: zeros unless it is given."""
+    """The name of a primvar, and the value for meshes without it, by default zeros."""
 
     primvar: str
     fallback: tuple[float, ...]
