@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/philox.h"
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 
 namespace latelight::lidar {
 
@@ -27,7 +27,7 @@ constexpr double kSignalNoise = 1 / (kThresholdToNoise + kQuantileOf90Percent);
 constexpr double kSignalThreshold = kThresholdToNoise * kSignalNoise;
 
 double logarithm(double x) {
-  return scene::builtin::logarithm2(x) * kLn2;
+  return exact::logarithm2(x) * kLn2;
 }
 
 // Returns two independent normal values of an echo (Box and Muller 1958, "A Note on the Generation of Random Normal
@@ -40,7 +40,7 @@ dvec2 normals(uint64_t seed, uint32_t firing, uint32_t echo) {
     return static_cast<double>(uint64_t{high >> 5} << 26 | low >> 6) * 0x1p-53;
   };
   const double radius = std::sqrt(-2 * logarithm(1 - unit(bits[0], bits[1])));
-  return radius * scene::builtin::onCircle(unit(bits[2], bits[3]));
+  return radius * exact::onCircle(unit(bits[2], bits[3]));
 }
 
 }  // namespace
@@ -59,7 +59,7 @@ std::vector<dvec2> beamOffsets(const Properties& properties, uint32_t rays) {
   const double goldenTurn = (3 - std::sqrt(5.0)) / 2;
   for (uint32_t i = 0; i < rays; ++i) {
     const double radius = std::sqrt(-0.5 * logarithm(1 - (i + 0.5) / rays));
-    offsets[i] = radius * scene::builtin::onCircle(i * goldenTurn) * radii;
+    offsets[i] = radius * exact::onCircle(i * goldenTurn) * radii;
   }
   return offsets;
 }

@@ -5,12 +5,12 @@
 
 #include "base/error.h"
 #include "lidar/sensor.h"
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 
 namespace latelight::lidar {
 
+using exact::onCircle;
 using glm::dvec2, glm::dvec3;
-using scene::builtin::onCircle;
 
 namespace {
 
@@ -57,14 +57,14 @@ void addFirings(const Rosette& r, const Sensor& /*sensor*/, double start, Patter
     badUsage("a rosette needs a cone between 0 and 180 degrees and a point rate above 0");
   const double points = std::max(1.0, std::round(pattern.period * r.pointRate));
   if (points > double(kMaxFirings)) badUsage("a scan has at most {} firings, not {}", kMaxFirings, points);
-  const double deflection = r.cone / 4 * (scene::builtin::kPi / 180);  // of each prism
+  const double deflection = r.cone / 4 * (exact::kPi / 180);  // of each prism
   for (uint64_t i = 0; i < static_cast<uint64_t>(points); ++i) {
     const double time = double(i) / r.pointRate;
     dvec2 across(0);  // to the left and up, in radians
     for (const double speed : r.speeds) across += deflection * onCircle(speed / 60 * (start + time));
     const double angle = glm::length(across);
-    const double scale = angle > 0 ? scene::builtin::sine(angle) / angle : 1;
-    pattern.directions.emplace_back(scene::builtin::cosine(angle), across.x * scale, across.y * scale);
+    const double scale = angle > 0 ? exact::sine(angle) / angle : 1;
+    pattern.directions.emplace_back(exact::cosine(angle), across.x * scale, across.y * scale);
     pattern.times.push_back(time);
   }
   pattern.rings.resize(pattern.times.size());

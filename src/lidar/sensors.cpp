@@ -6,13 +6,13 @@
 
 #include "base/error.h"
 #include "lidar/sensor.h"
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 
 namespace latelight::lidar {
 
 namespace {
 
-constexpr double kDegree = scene::builtin::kPi / 180;
+constexpr double kDegree = exact::kPi / 180;
 
 // Firing times of lasers that fire one after the other.
 std::vector<double> oneByOne(size_t lasers, double seconds) {

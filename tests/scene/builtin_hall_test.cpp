@@ -15,8 +15,8 @@
 #include "builtin_checks.h"
 #include "own_process.h"
 #include "scene/builtin/builtin.h"
-#include "scene/builtin/exact_math.h"
 #include "scene/builtin/hall/hall.h"
+#include "scene/exact_math.h"
 #include "scene/load/load.h"
 #include "shared/light.h"
 

@@ -9,7 +9,7 @@
 #include "base/hash.h"
 #include "builtin_checks.h"
 #include "scene/builtin/builtin.h"
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 #include "scene/load/load.h"
 #include "shared/light.h"
 #include "shared/projection.h"
@@ -90,17 +90,17 @@ TEST(Axes, ConvertBothWaysExactly) {
 TEST(ExactMath, AgreesWithLibm) {
   for (int i = -2000; i <= 2000; ++i) {
     const double x = i * 0.0137;
-    EXPECT_NEAR(builtin::sine(x), std::sin(x), 1e-13);
-    EXPECT_NEAR(builtin::cosine(x), std::cos(x), 1e-13);
-    EXPECT_NEAR(builtin::exponential(x) / std::exp(x), 1, 1e-12);
+    EXPECT_NEAR(exact::sine(x), std::sin(x), 1e-13);
+    EXPECT_NEAR(exact::cosine(x), std::cos(x), 1e-13);
+    EXPECT_NEAR(exact::exponential(x) / std::exp(x), 1, 1e-12);
     if (i > 0) {
-      EXPECT_NEAR(builtin::logarithm2(x), std::log2(x), 1e-13);
-      EXPECT_NEAR(builtin::power(x, 1.7) / std::pow(x, 1.7), 1, 1e-12);
+      EXPECT_NEAR(exact::logarithm2(x), std::log2(x), 1e-13);
+      EXPECT_NEAR(exact::power(x, 1.7) / std::pow(x, 1.7), 1, 1e-12);
     }
-    const double turns = builtin::turnsOf(std::sin(x), std::cos(x));
-    EXPECT_NEAR(std::remainder(turns - x / builtin::kTau, 1.0), 0, 1e-12);
+    const double turns = exact::turnsOf(std::sin(x), std::cos(x));
+    EXPECT_NEAR(std::remainder(turns - x / exact::kTau, 1.0), 0, 1e-12);
   }
-  for (int q = -8; q <= 8; ++q) EXPECT_EQ(std::abs(builtin::sinQuarters(q)), q % 2 ? 1.0 : 0.0);
+  for (int q = -8; q <= 8; ++q) EXPECT_EQ(std::abs(exact::sinQuarters(q)), q % 2 ? 1.0 : 0.0);
 }
 
 TEST(Boxes, AreWhereTheirConstantsSay) {

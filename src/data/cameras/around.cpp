@@ -2,14 +2,14 @@
 
 #include <cmath>
 
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 
 namespace latelight::data {
 
 using glm::dmat4, glm::dvec3, glm::dvec4;
 
 Around around(const SceneAxes& axes, double azimuth, double sineOfElevation) {
-  const glm::dvec2 circle = scene::builtin::onCircle(azimuth);
+  const glm::dvec2 circle = exact::onCircle(azimuth);
   const dvec3 across = axes.front * circle.x + axes.right * circle.y;
   const double cosine = std::sqrt(std::max(0.0, 1 - sineOfElevation * sineOfElevation));
   return {.outwards = across * cosine + axes.up * sineOfElevation,

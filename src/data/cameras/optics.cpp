@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 #include "scene/framing.h"
 
 namespace latelight::data {
@@ -17,10 +17,10 @@ constexpr double kLongestSide = 65536;
 
 // These functions round identically on every machine.
 double arcTangent(double y, double x) {
-  return scene::builtin::turnsOf(y, x) * scene::builtin::kTau;
+  return exact::turnsOf(y, x) * exact::kTau;
 }
 double tangent(double angle) {
-  return scene::builtin::sine(angle) / scene::builtin::cosine(angle);
+  return exact::sine(angle) / exact::cosine(angle);
 }
 
 // The angle at a distance from the principal point, below a right angle, as orbits require it.
@@ -36,7 +36,7 @@ float usableFov(double angle) {
 
 // Returns the key "fov" in radians.
 double readAngle(Spec& spec) {
-  constexpr double kNormal = 40, kDegree = scene::builtin::kPi / 180;
+  constexpr double kNormal = 40, kDegree = exact::kPi / 180;
   return spec.number("fov", {1e-7, 179.999}, kNormal) * kDegree;
 }
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 
 namespace latelight::data {
 
@@ -22,12 +22,12 @@ dvec4 conjugate(dvec4 q) {
 dvec3 logarithm(dvec4 q) {
   const dvec3 axis(q[1], q[2], q[3]);
   const double sine = glm::length(axis);
-  return sine > 0 ? axis * (scene::builtin::turnsOf(sine, q[0]) * scene::builtin::kTau / sine) : dvec3(0);
+  return sine > 0 ? axis * (exact::turnsOf(sine, q[0]) * exact::kTau / sine) : dvec3(0);
 }
 dvec4 exponential(dvec3 turn) {
   const double angle = glm::length(turn);
   if (angle == 0) return {1, 0, 0, 0};
-  return dvec4(scene::builtin::cosine(angle), turn * (scene::builtin::sine(angle) / angle));
+  return dvec4(exact::cosine(angle), turn * (exact::sine(angle) / angle));
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include "data/cameras/around.h"
 #include "data/cameras/optics.h"
 #include "data/cameras/target.h"
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 
 namespace latelight::data {
 
@@ -26,8 +26,7 @@ std::vector<Shot> shotsOnOrbit(Spec& spec, const CameraContext& context) {
   for (uint64_t i = 0; i < count; ++i) {
     const auto along = [&](double first, double last) { return first + (last - first) * double(i) / steps; };
     const double elevation = along(climb[0], climb[1]);
-    const Around place =
-        around(context.axes, along(turn[0], turn[1]) / 360, scene::builtin::sinQuarters(elevation / 90));
+    const Around place = around(context.axes, along(turn[0], turn[1]) / 360, exact::sinQuarters(elevation / 90));
     shots.push_back({numberedName("orbit", i, count), place.pose(target.center, along(distance.low, distance.high)),
                      optics.camera, optics.width, optics.height});
   }

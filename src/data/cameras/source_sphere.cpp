@@ -7,7 +7,7 @@
 #include "data/cameras/clearance.h"
 #include "data/cameras/optics.h"
 #include "data/cameras/target.h"
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 
 namespace latelight::data {
 
@@ -44,10 +44,9 @@ std::vector<Shot> shotsOnSphere(Spec& spec, const CameraContext& context) {
   const bool grid = spec.choice("points", {"fibonacci", "random"}, "fibonacci") == "fibonacci";
   const Interval elevation = spec.interval("elevation", {-90, 90}, Interval{-90, 90});
   const Target target = readTarget(spec, context);
-  const Shell shell{
-      target,
-      readDistance(spec, "radius", target, optics.halfAngle),
-      {scene::builtin::sinQuarters(elevation.low / 90), scene::builtin::sinQuarters(elevation.high / 90)}};
+  const Shell shell{target,
+                    readDistance(spec, "radius", target, optics.halfAngle),
+                    {exact::sinQuarters(elevation.low / 90), exact::sinQuarters(elevation.high / 90)}};
   const Clearance clearance(spec, context);
   std::vector<Shot> shots;
   for (uint64_t i = 0; i < count; ++i) {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "base/parallel.h"
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 
 namespace latelight::data {
 
@@ -74,7 +74,7 @@ int crossing(const Triangle& t, dvec3 origin, dvec3 direction) {
 constexpr int kRays = 15;
 dvec3 rayDirection(int ray) {
   const double z = (2 * ray + 1.0) / kRays - 1;
-  return dvec3(scene::builtin::onCircle(0.1 + 0.6180339887498949 * ray) * std::sqrt(1 - z * z), z);
+  return dvec3(exact::onCircle(0.1 + 0.6180339887498949 * ray) * std::sqrt(1 - z * z), z);
 }
 
 }  // namespace

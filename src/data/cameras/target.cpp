@@ -1,7 +1,7 @@
 #include "data/cameras/target.h"
 
 #include "base/error.h"
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 #include "scene/file_frame.h"
 
 namespace latelight::data {
@@ -74,7 +74,7 @@ Interval readDistance(Spec& spec, std::string_view key, const Target& target, do
   if (target.radius == 0 || halfAngle == 0)
     badUsage("{} requires \"{}\", because a point or a panoramic image has no fitting distance", spec.path(), key);
   constexpr double kMargin = 1.04;
-  const double fitting = kMargin * target.radius / scene::builtin::sine(halfAngle);
+  const double fitting = kMargin * target.radius / exact::sine(halfAngle);
   return {fitting, fitting};
 }
 

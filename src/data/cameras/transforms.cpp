@@ -9,7 +9,7 @@
 #include "base/text.h"
 #include "data/cameras/json_file.h"
 #include "output/metadata.h"
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 
 namespace latelight::data {
 
@@ -64,8 +64,8 @@ double focalIn(const Json& source, const char* key, const char* angleKey, double
   if (source.contains(key)) return numberIn(source, key, 0, where);
   const double angle = numberIn(source, angleKey, 0, where);
   if (angle == 0) return 0;
-  if (!(angle > 0 && angle < scene::builtin::kPi)) badInput("{}: \"{}\" must be between 0 and pi", where, angleKey);
-  return 0.5 * pixels * scene::builtin::cosine(angle / 2) / scene::builtin::sine(angle / 2);
+  if (!(angle > 0 && angle < exact::kPi)) badInput("{}: \"{}\" must be between 0 and pi", where, angleKey);
+  return 0.5 * pixels * exact::cosine(angle / 2) / exact::sine(angle / 2);
 }
 
 Lens lensIn(const Json& source, PictureSize size, const std::string& where) {

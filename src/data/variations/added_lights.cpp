@@ -8,7 +8,7 @@
 #include "data/variations/draws.h"
 #include "data/variations/temperature.h"
 #include "data/variations/variation.h"
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 #include "scene/file_frame.h"
 #include "scene/light_types.h"
 #include "shared/light.h"
@@ -88,8 +88,8 @@ class AddedLights : public Variation {
 
   // Returns a random direction in the world, where up is Z. Directions are uniform by solid angle within the cone.
   glm::vec3 downwards(Random random) const {
-    const double z = -random.between(scene::builtin::cosQuarters(tilt_ / 90), 1);
-    const glm::dvec2 flat = scene::builtin::onCircle(random.unit()) * std::sqrt(1 - z * z);
+    const double z = -random.between(exact::cosQuarters(tilt_ / 90), 1);
+    const glm::dvec2 flat = exact::onCircle(random.unit()) * std::sqrt(1 - z * z);
     return glm::normalize(glm::dvec3(flat, z));
   }
 

@@ -5,14 +5,14 @@
 
 #include "base/error.h"
 #include "data/cameras/target.h"
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 
 namespace latelight::data {
 
 using glm::dvec3;
 
 Surface::Surface(const scene::Scene& scene, const std::string& node, double slope, const std::string& path) {
-  const double steepest = scene::builtin::cosQuarters(slope / 90);
+  const double steepest = exact::cosQuarters(slope / 90);
   double area = 0;
   for (const uint32_t number : instancesBelow(scene, node, path)) {
     const scene::Instance& instance = scene.instances[number];

@@ -5,10 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "scene/builtin/exact_math.h"
+#include "scene/exact_math.h"
 #include "scene/scene.h"
 
 namespace latelight::scene::builtin {
+
+using namespace exact;
+using glm::dvec2;
+using glm::dvec3;
 
 // Tessellation scale: 1 is the hall at its default size, and the number of triangles grows with the square of the
 // scale.

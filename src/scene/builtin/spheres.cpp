@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include "scene/builtin/builtin.h"
-#include "scene/builtin/exact_math.h"
 #include "scene/builtin/make.h"
+#include "scene/exact_math.h"
 #include "scene/scene_builder.h"
 
 namespace latelight::scene {
@@ -22,9 +22,9 @@ constexpr uint32_t kMeridians = 160, kParallels = 80;  // a chord's error is 0.0
 // each triangle there has its own tangent.
 void addVertices(Mesh& mesh) {
   for (uint32_t j = 0; j <= kParallels; ++j) {
-    const dvec2 polar = onCircle(0.5 * j / kParallels);  // from -Y
+    const dvec2 polar = exact::onCircle(0.5 * j / kParallels);  // from -Y
     for (uint32_t i = 0; i <= kMeridians; ++i) {
-      const dvec2 around = onCircle(double(i % kMeridians) / kMeridians);
+      const dvec2 around = exact::onCircle(double(i % kMeridians) / kMeridians);
       const vec3 normal(polar.y * around.x, -polar.x, -polar.y * around.y);
       mesh.positions.push_back(normal * kSpheresRadius);
       mesh.attributes.push_back(

@@ -4,7 +4,6 @@
 #include <functional>
 #include <string>
 
-#include "scene/builtin/exact_math.h"
 #include "scene/textures/texture.h"
 
 namespace latelight::scene::builtin {

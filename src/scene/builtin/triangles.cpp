@@ -2,9 +2,9 @@
 #include <algorithm>
 
 #include "scene/builtin/builtin.h"
-#include "scene/builtin/exact_math.h"
 #include "scene/builtin/make.h"
 #include "scene/builtin/random.h"
+#include "scene/exact_math.h"
 #include "scene/scene_builder.h"
 
 namespace latelight::scene::builtin {
@@ -21,7 +21,7 @@ constexpr double kDepth = 1;                                   // maximum depth 
 void addTriangle(Mesh& mesh, Random& random, float leg) {
   const auto x = static_cast<float>(random.between(-1, 1)), y = static_cast<float>(random.between(-1, 1));
   const auto z = static_cast<float>(random.between(-kDepth, kDepth));
-  const vec3 right = vec3(vec2(onCircle(random.unit())) * leg, 0);
+  const vec3 right = vec3(vec2(exact::onCircle(random.unit())) * leg, 0);
   const vec3 up(-right.y, right.x, 0), corner = vec3(x, y, z) - (right + up) / 3.0f;
   for (const vec3& position : {corner, corner + right, corner + up}) {
     mesh.indices.push_back(static_cast<uint32_t>(mesh.positions.size()));

@@ -1,17 +1,15 @@
 // Elementary functions that use only IEEE additions, multiplications, divisions and square roots, which round
-// identically on every machine. The functions of libm differ in the last bit between versions and machines, and the
-// built-in scenes must not. The accuracy is about 1e-13, far better than geometry in floats requires.
+// identically on every machine. The functions of libm differ in the last bit between versions and machines, and
+// built-in scenes, cameras and ray patterns must not. The accuracy is about 1e-13, far better than geometry in floats
+// requires.
 #pragma once
 
-#include <bit>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <glm/glm.hpp>
+#include <glm/vec2.hpp>
 
-namespace latelight::scene::builtin {
-
-using glm::dvec2;
-using glm::dvec3;
+namespace latelight::exact {
 
 inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double kTau = 2 * kPi;
@@ -57,7 +55,7 @@ inline double cosine(double x) {
 }
 
 // The point on the unit circle at an angle in full turns.
-inline dvec2 onCircle(double turns) {
+inline glm::dvec2 onCircle(double turns) {
   return {cosQuarters(turns * 4), sinQuarters(turns * 4)};
 }
 
@@ -110,4 +108,4 @@ inline double turnsOf(double y, double x) {
   return a < 1 ? a : 0;
 }
 
-}  // namespace latelight::scene::builtin
+}  // namespace latelight::exact
