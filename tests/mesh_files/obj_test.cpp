@@ -345,6 +345,9 @@ TEST(Mtl, MissingFilesAreLeftOut) {
 TEST(Obj, TextMayHaveAByteOrderMark) {
   EXPECT_EQ(MeshFile("a.obj", "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").load().triangleCount(), 1u);
   EXPECT_THAT(MeshFile("a.obj", "\xff\xfev").error(), HasSubstr("UTF-8"));
+  MeshFile material("a.obj", std::string("mtllib a.mtl\n") + kSquare + "usemtl m\nf 1 2 3\n");
+  material.add("a.mtl", "\xef\xbb\xbfnewmtl m\nKd 1 0 0\n");
+  EXPECT_EQ(vec3(materialOf(material.load()).data.baseColor), vec3(1, 0, 0));
 }
 
 TEST(ObjErrors, LongPathsAreLimited) {

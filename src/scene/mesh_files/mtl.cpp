@@ -164,7 +164,7 @@ class MtlParser {
 
 void readMtl(std::string_view text, const std::string& name,
              std::map<std::string, MtlMaterial, std::less<>>& materials) {
-  MtlParser(text, name, materials).run();
+  MtlParser(withoutByteOrderMark(text), name, materials).run();
 }
 
 }  // namespace latelight::scene::mesh_files

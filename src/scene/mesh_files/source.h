@@ -13,6 +13,7 @@
 #include "base/files.h"
 #include "base/memory.h"
 #include "scene/mesh_files/load.h"
+#include "scene/mesh_files/text.h"
 #include "scene/scene_builder.h"
 
 namespace latelight::scene::mesh_files {
@@ -44,8 +45,7 @@ class Source {
 
   // The file as text, without a byte-order mark.
   std::string_view text() const {
-    const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    return all.starts_with("\xef\xbb\xbf") ? all.substr(3) : all;
+    return withoutByteOrderMark({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }
   // Adds a node below the root, or the root itself if `name` is empty, with the primitives of its mesh. Primitives
   // without triangles are left out.

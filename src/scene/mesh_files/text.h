@@ -93,6 +93,11 @@ class Words {
   const char* end_;
 };
 
+// Returns the text of a file without the byte-order mark of UTF-8, which some editors write.
+inline std::string_view withoutByteOrderMark(std::string_view text) {
+  return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
+}
+
 // Returns a file's name without the quotation marks that some writers put around it.
 inline std::string_view unquoted(std::string_view name) {
   const bool isQuoted = name.size() > 2 && name.front() == '"' && name.back() == '"';
