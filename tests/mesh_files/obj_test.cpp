@@ -303,6 +303,36 @@ TEST(Mtl, HeightMapsBecomeNormalMaps) {
   EXPECT_THAT(texelOf(normals.load(), shared::kTextureNormal), ElementsAre(200, 90, 250, 255));
 }
 
+// As glTF's scale: x and y of the normal are multiplied, and the result is normalized.
+TEST(Mtl, BumpScalesNormalMaps) {
+  const glm::dvec3 normal = glm::dvec3(200, 90, 220) / 127.5 - 1.0;
+  for (const double scale : {0.0, 0.5, 3.0, -1.0}) {
+    MeshFile file = withMtl(fmt::format("map_Bump -bm {} normal.png\n", scale));
+    file.add("normal.png", png(1, 1, {{200, 90, 220, 255}}));
+    const auto texel = texelOf(file.load(), shared::kTextureNormal);
+    const glm::dvec3 expected = glm::normalize(normal * glm::dvec3(scale, scale, 1));
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(texel[size_t(i)], (expected[i] * 0.5 + 0.5) * 255, 0.51) << scale;
+  }
+}
+
+// Programs write an opaque gray image, or the color image with its alpha. -imfchan states the channel.
+TEST(Mtl, OpacityIsAlphaUnlessItIsOpaque) {
+  const auto alphas = [](const std::string& statement, const std::vector<std::array<uint8_t, 4>>& texels) {
+    MeshFile file = withMtl(statement);
+    file.add("leaf.png", png(2, 1, texels));
+    const Scene scene = file.load();
+    return std::array{texelOf(scene, shared::kTextureBaseColor, 0)[3], texelOf(scene, shared::kTextureBaseColor, 1)[3]};
+  };
+  const std::vector<std::array<uint8_t, 4>> leaf = {{40, 40, 40, 255}, {80, 80, 80, 10}};
+  const std::vector<std::array<uint8_t, 4>> mask = {{40, 40, 40, 255}, {80, 80, 80, 255}};
+  EXPECT_THAT(alphas("map_Kd leaf.png\nmap_d leaf.png\n", leaf), ElementsAre(255, 10));
+  EXPECT_THAT(alphas("map_d leaf.png\n", leaf), ElementsAre(255, 10));
+  EXPECT_THAT(alphas("map_d leaf.png\n", mask), ElementsAre(40, 80));
+  EXPECT_THAT(alphas("map_d -imfchan l leaf.png\n", leaf), ElementsAre(40, 80));
+  EXPECT_THAT(alphas("map_d -imfchan m leaf.png\n", mask), ElementsAre(255, 255));
+  EXPECT_THAT(alphas("map_d -mm 0 0.5 leaf.png\n", leaf), ElementsAre(128, 5));
+}
+
 TEST(Mtl, FilesOutsideAreRejected) {
   MeshFile file("in/a.obj", std::string("mtllib ../a.mtl\n") + kSquare + "f 1 2 3\n");
   file.add("a.mtl", "newmtl m\n");

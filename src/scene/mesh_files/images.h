@@ -16,6 +16,8 @@ namespace latelight::scene::mesh_files {
 // An image file, and how MTL's options change its values: base + gain * value, and the channel that a scalar is read
 // from ('r', 'g', 'b', 'm' for alpha, 'l' for luminance).
 struct ImageUse {
+  static constexpr char kOpacity = 'd';  // alpha, or luminance if alpha is 255 everywhere
+
   std::string file;  // empty: no image
   char channel = 'l';
   float base = 0, gain = 1;
@@ -30,12 +32,13 @@ struct ImageRequest {
     RoughnessMetallic,   // green: the scalar of `first`, blue: that of `second`; 1 if absent
     ScalarInRed,         // the scalar of `first`, in red and green, as glTF's factors of coats read it
     ScalarInAlpha,       // the scalar of `first` in alpha
-    NormalsFromHeights,  // tangent-space normals of the height map `first`, unless it holds normals
+    NormalsFromHeights,  // tangent-space normals of the height map `first`; ScaledNormals if it holds normals
+    ScaledNormals,       // the normal map `first`, with x and y multiplied by `bump`
   };
   Make make = Make::Plain;
   ImageUse first, second;
   bool srgb = false;
-  float bump = 1;  // texels of height between 0 and 1
+  float bump = 1;  // -bm: the strength of a height map or normal map
   auto operator<=>(const ImageRequest&) const = default;
 };
 
@@ -55,7 +58,7 @@ class Images {
  private:
   const std::vector<std::byte>& encoded(const std::string& file) const { return *files_.at(file); }
   Texture make(const ImageRequest& request) const;
-  Texture pack(const ImageRequest& request) const;
+  Texture pack(ImageRequest request) const;
   size_t bytesOf(const ImageRequest& request) const;
 
   Source& source_;

@@ -107,6 +107,7 @@ class MtlParser {
 
   void readMap(const std::string& key, Words& words) {
     MtlMap map;
+    if (key == "d") map.image.channel = ImageUse::kOpacity;
     while (true) {
       Words after = words;
       const std::string_view option = after.word();

@@ -138,8 +138,7 @@ class Converter {
       out_.data.normalScale = map->bump;
       fill(shared::kTextureNormal, *map, {.first = {.file = map->image.file}});
     } else if (const MtlMap* bump = find({"bump"})) {
-      fill(shared::kTextureNormal, *bump,
-           {.make = Make::NormalsFromHeights, .first = bump->image, .bump = bump->bump * kBumpTexels});
+      fill(shared::kTextureNormal, *bump, {.make = Make::NormalsFromHeights, .first = bump->image, .bump = bump->bump});
     }
   }
 
@@ -167,8 +166,6 @@ class Converter {
     if (factor == 0) factor = 1;
     fill(slot, map, {.make = Make::ScalarInRed, .first = map.image});
   }
-
-  static constexpr float kBumpTexels = 8;  // the height of white over black in texels, at -bm 1
 
   MtlMaterial source_;  // with the names of images relative to the OBJ file's folder
   const LoadOptions& options_;
