@@ -143,7 +143,7 @@ TEST(PointRadius, IsForFilesWithoutFaces) {
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
   const std::string positions = "0 0 0\n1 0 0\n0 1 0\n";
   const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-  const std::string stl = "solid a\nfacet normal 0 0 1\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n";
+  const std::string stl = "solid a\nfacet normal 0 0 1\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\nendsolid\n";
   const auto warningsOf = [](const std::string& name, const std::string& text) {
     std::vector<std::string> warnings;
     const WarningCapture capture(warnings);

@@ -1,4 +1,5 @@
 // STL files, binary and ASCII, with known corners.
+#include "base/log.h"
 #include "mesh_files/support.h"
 
 namespace latelight::scene::test {
@@ -126,6 +127,27 @@ TEST(Stl, WrongFilesAreReported) {
   EXPECT_THAT(MeshFile("a.stl", binaryStl("", broken, 1)).error(), HasSubstr("finite"));
   broken.push_back(kFacets[1]);
   EXPECT_EQ(cornersOf(MeshFile("a.stl", binaryStl("", broken, 2)).load()).size(), 3u);
+}
+
+// The end of an ASCII file is missing. After complete facets the model may be complete, too.
+TEST(Stl, TruncatedAsciiFilesAreReported) {
+  const std::string first = "solid a\n" + asciiFacet(kFacets[0]), second = asciiFacet(kFacets[1]),
+                    last = "endsolid a\n";
+  const auto warningsOf = [](const std::string& text) {
+    std::vector<std::string> warnings;
+    const WarningCapture capture(warnings);
+    MeshFile("a.stl", text).load();
+    return warnings;
+  };
+  EXPECT_THAT(warningsOf(first + second + last), testing::IsEmpty());
+  EXPECT_THAT(warningsOf(first + second), testing::ElementsAre(HasSubstr("ends without \"endsolid\"")));
+  EXPECT_THAT(warningsOf(first + last + "solid b\n"), testing::ElementsAre(HasSubstr("ends without \"endsolid\"")));
+  EXPECT_THAT(MeshFile("a.stl", first + "facet").error(), HasSubstr("ends within a facet"));
+  EXPECT_THAT(MeshFile("a.stl", first + "facet normal 0 0\n").error(), HasSubstr("ends within a facet"));
+  EXPECT_THAT(MeshFile("a.stl", first + "facet normal 0 0 1\nfacet normal 0 0 1\n").error(),
+              HasSubstr("begins a facet"));
+  for (size_t size = 1; size < second.size() - 1; ++size)  // the last character is a line end
+    EXPECT_NE(MeshFile("a.stl", first + second.substr(0, size)).error(), "") << size;
 }
 
 TEST(Stl, ContentsDecideWithoutAnExtension) {

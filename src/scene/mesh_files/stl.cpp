@@ -92,8 +92,12 @@ class AsciiReader {
   void run() {
     source_.claim(text_.size());  // a corner has fewer bytes than its statement
     for (std::string_view key = words_.word(); !key.empty(); key = words_.word()) readStatement(key);
+    const bool hasEnd = !isInSolid_;
     finishSolid();
     if (!any_) badInput("it has no facets: export it again with its triangles");
+    if (!hasEnd)
+      warn("{} ends without \"endsolid\", so facets may be missing: compare it with the original, or export it again",
+           source_.path.string());
   }
 
  private:
@@ -104,15 +108,19 @@ class AsciiReader {
       for (int i = 0; i < 3; ++i)
         if (!words_.number(p[i])) wrong(at, "requires three numbers after \"vertex\"");
       corners_.push_back(p);
+      isInFacet_ = true;
     } else if (equalsIgnoringCase(key, "endfacet")) {
       finishFacet(at);
     } else if (equalsIgnoringCase(key, "facet")) {
-      if (!corners_.empty()) wrong(at, "begins a facet before the last one has ended with \"endfacet\"");
+      if (isInFacet_) wrong(at, "begins a facet before the last one has ended with \"endfacet\"");
+      isInFacet_ = isInSolid_ = true;
       skipNormal();
     } else if (equalsIgnoringCase(key, "solid")) {
       finishSolid();
+      isInSolid_ = true;
       name_ = utf8OrLatin1(readName());
     } else if (equalsIgnoringCase(key, "endsolid")) {
+      isInSolid_ = false;
       skipEndName();
     } else if (!equalsIgnoringCase(key, "outer") && !equalsIgnoringCase(key, "loop") &&
                !equalsIgnoringCase(key, "endloop")) {
@@ -164,10 +172,11 @@ class AsciiReader {
     for (const auto& triangle : triangles_)
       for (const uint32_t corner : triangle) positions_.push_back(corners_[corner]);
     corners_.clear();
+    isInFacet_ = false;
   }
 
   void finishSolid() {
-    if (!corners_.empty()) badInput("the file ends within a facet: copy it again");
+    if (isInFacet_) badInput("the file ends within a facet: copy it again");
     if (positions_.empty()) return;
     if (positions_.size() / 3 > kMaxFacets) badInput("it has more than {} facets: split it", kMaxFacets);
     source_.claim(positions_.size() * kCornerBytes);
@@ -187,7 +196,7 @@ class AsciiReader {
   std::string name_;
   std::vector<vec3> positions_, corners_;
   std::vector<std::array<uint32_t, 3>> triangles_;
-  bool any_ = false;
+  bool any_ = false, isInFacet_ = false, isInSolid_ = false;
 };
 
 }  // namespace
