@@ -254,6 +254,11 @@ TEST(TextureCodecs, BrokenPictures) {
   Encoded jpeg = toJpeg(p.rgba, 64, 64, TJPF_RGBX, TJSAMP_420);
   jpeg.resize(jpeg.size() / 2);
   EXPECT_THAT(errorOf(jpeg), HasSubstr("JPEG"));
+  for (const int flags : {0, TJFLAG_PROGRESSIVE}) {
+    const Encoded whole = toJpeg(p.rgba, 64, 64, TJPF_RGBX, TJSAMP_420, flags);
+    for (size_t size = 0; size < whole.size(); ++size)
+      EXPECT_NE(errorOf(std::span(whole).first(size)), "") << flags << " " << size;
+  }
   EXPECT_THAT(errorOf({}), HasSubstr("is not a"));
   const char ktx[] = "\xabKTX 20\xbb\r\n\x1a\n";
   EXPECT_THAT(errorOf(std::as_bytes(std::span(ktx))), HasSubstr("KTX"));

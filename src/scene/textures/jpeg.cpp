@@ -32,6 +32,26 @@ Header readHeader(std::span<const std::byte> encoded, const std::string& name) {
   return header;
 }
 
+// Returns true if a marker ends the image (EOI; ITU T.81, annex B). The decoder inserts a missing one, and reports only
+// its last warning, which may be another one than that of the insertion.
+bool hasEnd(std::span<const std::byte> encoded) {
+  constexpr unsigned kPrefix = 0xff, kStuffing = 0x00, kFirstRestart = 0xd0, kStart = 0xd8, kEnd = 0xd9;
+  for (size_t at = 0; at + 1 < encoded.size();) {
+    const auto marker = unsigned(encoded[at + 1]);
+    if (unsigned(encoded[at]) != kPrefix || marker == kPrefix || marker == kStuffing) {
+      ++at;  // entropy-coded data, or fill bytes before a marker
+    } else if (marker == kEnd) {
+      return true;
+    } else if (marker >= kFirstRestart && marker <= kStart) {
+      at += 2;
+    } else {  // a segment with its length, which may contain images of its own, such as thumbnails
+      if (at + 3 >= encoded.size()) return false;
+      at += 2 + 256 * size_t(encoded[at + 2]) + size_t(encoded[at + 3]);
+    }
+  }
+  return false;
+}
+
 // After warnings the image is usable, unless the data ended early and the rest of it is gray.
 void decompress(const Header& header, std::span<const std::byte> encoded, const std::string& name, TJPF format,
                 std::byte* pixels) {
@@ -40,8 +60,10 @@ void decompress(const Header& header, std::span<const std::byte> encoded, const 
                     int(header.size.width), 0, int(header.size.height), format, TJFLAG_LIMITSCANS) == 0)
     return;
   std::string_view reason = tjGetErrorStr2(header.decoder.get());
-  if (tjGetErrorCode(header.decoder.get()) == TJERR_FATAL || reason.starts_with("Premature end"))
-    badInput("{} is an invalid JPEG image: {}", name, reason);
+  if (tjGetErrorCode(header.decoder.get()) == TJERR_FATAL) badInput("{} is an invalid JPEG image: {}", name, reason);
+  // "Premature end of JPEG file" and "Corrupt JPEG data: premature end of data segment"
+  if (!hasEnd(encoded) || reason.find("remature end") != std::string_view::npos)
+    badInput("{} is an invalid JPEG image: it is truncated ({})", name, reason);
   warn("{} is a damaged JPEG image, of which the intact part is used: {}", name, reason);
 }
 
