@@ -203,6 +203,40 @@ TEST(TextureCodecs, UncompressedTga) {
   EXPECT_EQ(largestDifference(decodeTexture(std::as_bytes(std::span(tga)), false, "p"), {1, 2, 3, 200}), 0);
 }
 
+// Bits 4 and 5 of the descriptor: columns from the right, rows from the top (Truevision TGA 2.0, field 5.6). The image
+// has the rows 1 2 3 and 4 5 6.
+TEST(TextureCodecs, TgaOfEveryOrder) {
+  const std::vector<uint8_t> header = {0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 2, 0, 8};
+  const std::vector<std::pair<uint8_t, std::vector<uint8_t>>> orders = {
+      {0x20, {1, 2, 3, 4, 5, 6}}, {0x30, {3, 2, 1, 6, 5, 4}}, {0x00, {4, 5, 6, 1, 2, 3}}, {0x10, {6, 5, 4, 3, 2, 1}}};
+  for (const auto& [descriptor, pixels] : orders) {
+    std::vector<uint8_t> tga = header;
+    tga.push_back(descriptor);
+    tga.insert(tga.end(), pixels.begin(), pixels.end());
+    EXPECT_EQ(largestDifference(decodeTexture(std::as_bytes(std::span(tga)), false, "p"),
+                                {1, 1, 1, 255, 2, 2, 2, 255, 3, 3, 3, 255, 4, 4, 4, 255, 5, 5, 5, 255, 6, 6, 6, 255}),
+              0)
+        << int(descriptor);
+  }
+}
+
+// A negative height states that rows are stored from the top (BITMAPINFOHEADER).
+TEST(TextureCodecs, BmpFromTheTop) {
+  for (const bool fromTop : {false, true}) {
+    const uint8_t sign = fromTop ? 0xff : 0, height = fromTop ? 0xfe : 2;
+    std::vector<uint8_t> bmp = {'B', 'M', 70, 0, 0, 0, 0, 0,      0,    0,    54,   0, 0, 0,  40,
+                                0,   0,   0,  1, 0, 0, 0, height, sign, sign, sign, 1, 0, 24, 0};
+    bmp.resize(54);
+    const std::vector<uint8_t> top = {30, 20, 10, 0}, bottom = {60, 50, 40, 0};  // blue, green, red, padding
+    for (const auto& row : fromTop ? std::array{top, bottom} : std::array{bottom, top})
+      bmp.insert(bmp.end(), row.begin(), row.end());
+    EXPECT_EQ(
+        largestDifference(decodeTexture(std::as_bytes(std::span(bmp)), false, "p"), {10, 20, 30, 255, 40, 50, 60, 255}),
+        0)
+        << fromTop;
+  }
+}
+
 // The smallest BMP, TGA and GIF images whose pixels end at the end of the file, each with its texels.
 struct TinyImage {
   const char* format;

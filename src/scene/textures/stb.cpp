@@ -19,6 +19,7 @@
 #include <stb/stb_image.h>
 #pragma GCC diagnostic pop
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -40,7 +41,23 @@ ImageSize sizeOfStb(std::span<const std::byte> encoded, const std::string& name)
   int width = 0, height = 0, channels = 0;
   if (!stbi_info_from_memory(bytesOf(encoded), lengthOf(encoded, name), &width, &height, &channels))
     badInput("{} is an invalid image: {}", name, stbi_failure_reason());
-  return {uint32_t(width), uint32_t(height)};
+  // stb_image returns the height of a BMP header, which is negative if the rows are stored from the top.
+  return {uint32_t(width), height < 0 ? 0u - uint32_t(height) : uint32_t(height)};
+}
+
+// stb_image ignores that the columns of a TGA image may be stored from the right (Truevision TGA 2.0, field 5.6, bit
+// 4). The type of its color map is 0 or 1; files of the other formats begin with "BM" and "GIF".
+bool isFromRight(std::span<const std::byte> encoded) {
+  constexpr size_t kColorMapType = 1, kDescriptor = 17;
+  const bool isTga = encoded[kColorMapType] <= std::byte{1};
+  return isTga && (encoded[kDescriptor] & std::byte{0x10}) != std::byte{0};
+}
+
+void mirror(ImageSize size, std::byte* rgba) {
+  constexpr size_t kTexelBytes = 4;
+  for (std::byte* row = rgba; row != rgba + kTexelBytes * size.width * size.height; row += kTexelBytes * size.width)
+    for (size_t x = 0; x < size.width / 2; ++x)
+      std::swap_ranges(row + kTexelBytes * x, row + kTexelBytes * (x + 1), row + kTexelBytes * (size.width - 1 - x));
 }
 
 // Callbacks for an input that is in memory as a whole. stb_image calls read() only if it requires bytes after the end.
@@ -69,6 +86,7 @@ void decodeStb(std::span<const std::byte> encoded, const std::string& name, Imag
   if (uint32_t(width) != size.width || uint32_t(height) != size.height)
     badInput("{} is an invalid image: it states two different sizes", name);
   std::memcpy(rgba, pixels.get(), size_t(width) * size_t(height) * 4);
+  if (isFromRight(encoded)) mirror(size, rgba);
 }
 
 }  // namespace
