@@ -162,6 +162,7 @@ struct ExrOptions {
   Imf::PixelType type = Imf::HALF;
   bool tiled = false;
   int parts = 1;
+  int depthParts = 0;  // parts in front of these, which have only the channel Z, with the values of the first channel
 };
 
 // The value of channel c at (x, y): small integers, exact in every type.
@@ -203,15 +204,21 @@ Bytes makeExr(const ExrOptions& options) {
     file.setFrameBuffer(buffer);
     file.writeTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);
   } else {
-    std::vector<Imf::Header> headers(static_cast<size_t>(options.parts), header);
+    Imf::Header depthHeader = header;
+    depthHeader.channels() = {};
+    depthHeader.channels().insert("Z", Imf::Channel(options.type));
+    Imf::FrameBuffer depth;
+    depth.insert("Z", Imf::Slice::Make(options.type, planes[0].data(), options.data));
+    std::vector<Imf::Header> headers(static_cast<size_t>(options.depthParts), depthHeader);
+    headers.resize(static_cast<size_t>(options.depthParts + options.parts), header);
     for (size_t i = 0; i < headers.size(); ++i) {
       headers[i].setName("part" + std::to_string(i));
       headers[i].setType(Imf::SCANLINEIMAGE);
     }
-    Imf::MultiPartOutputFile file(path.c_str(), headers.data(), options.parts);
-    for (int i = 0; i < options.parts; ++i) {
+    Imf::MultiPartOutputFile file(path.c_str(), headers.data(), static_cast<int>(headers.size()));
+    for (int i = 0; i < file.parts(); ++i) {
       Imf::OutputPart part(file, i);
-      part.setFrameBuffer(buffer);
+      part.setFrameBuffer(i < options.depthParts ? depth : buffer);
       part.writePixels(height);
     }
   }
@@ -262,6 +269,19 @@ TEST(Exr, GreyAndLayersAndTilesAndParts) {
   ExrOptions parts;
   parts.parts = 3;
   expectPixels(decodePicture(makeExr(parts), "parts"), parts, {0, 1, 2});
+}
+
+TEST(Exr, TheFirstPartWithColorsIsRead) {
+  for (const int depthParts : {1, 2}) {
+    ExrOptions options;
+    options.depthParts = depthParts;
+    expectPixels(decodePicture(makeExr(options), "colors"), options, {0, 1, 2});
+    options.channels = {"Y"};
+    options.parts = 2;
+    expectPixels(decodePicture(makeExr(options), "gray"), options, {0, 0, 0});
+    options.channels = {"N.X"};
+    EXPECT_THAT(failure(makeExr(options)), HasSubstr("nor Y, but: Z"));
+  }
 }
 
 TEST(Exr, ThePictureIsTheDisplayWindow) {

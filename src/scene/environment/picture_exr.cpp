@@ -34,22 +34,53 @@ std::optional<ChannelNames> channelsOf(const Imf::ChannelList& list, const std::
   return std::nullopt;
 }
 
-ChannelNames chooseChannels(const Imf::ChannelList& list, const std::string& name) {
+std::optional<ChannelNames> findChannels(const Imf::ChannelList& list) {
   std::optional<ChannelNames> found = channelsOf(list, "");
-  std::string all;
-  for (auto i = list.begin(); i != list.end(); ++i) {
+  for (auto i = list.begin(); i != list.end() && !found; ++i) {
     const std::string channel = i.name();
-    all += (all.empty() ? "" : " ") + channel;
-    if (!found && channel.ends_with(".R")) found = channelsOf(list, channel.substr(0, channel.size() - 1));
+    if (channel.ends_with(".R")) found = channelsOf(list, channel.substr(0, channel.size() - 1));
   }
-  if (!found) badInput("'{}' has neither the channels R G B nor Y, but: {}; save it as RGB", name, all);
-  for (const std::string& channel : *found) {
+  return found;
+}
+
+void checkSampling(const Imf::ChannelList& list, const ChannelNames& names, const std::string& name) {
+  for (const std::string& channel : names) {
     const Imf::Channel* c = list.findChannel(channel);
     if (c && (c->xSampling != 1 || c->ySampling != 1)) {
       badInput("'{}' has the subsampled channel {}, which is not supported; save it at full size", name, channel);
     }
   }
-  return *found;
+}
+
+// The part of a file that is read, and its channels.
+struct Selection {
+  int part;
+  ChannelNames channels;
+};
+
+// Returns the first part that is an image with usable channels. Programs write depths, masks and other data as parts of
+// their own, in any order.
+Selection choosePart(const Imf::MultiPartInputFile& file, const std::string& name) {
+  std::string all;
+  bool anyDeep = false, anyFlat = false;
+  for (int part = 0; part < file.parts(); ++part) {
+    const Imf::Header& header = file.header(part);
+    if (header.hasType() && !Imf::isSupportedType(header.type())) continue;
+    if (header.hasType() && Imf::isDeepData(header.type())) {
+      anyDeep = true;
+      continue;
+    }
+    anyFlat = true;
+    const Imf::ChannelList& list = header.channels();
+    if (auto found = findChannels(list)) return {part, *std::move(found)};
+    for (auto i = list.begin(); i != list.end(); ++i) {
+      if (!all.empty()) all += ' ';
+      all += i.name();
+    }
+  }
+  if (anyFlat) badInput("'{}' has neither the channels R G B nor Y, but: {}; save it as RGB", name, all);
+  if (anyDeep) badInput("'{}' contains deep data; flatten it first", name);
+  badInput("'{}' has a part of unknown type", name);
 }
 
 struct Window {
@@ -121,19 +152,17 @@ void checkColours(const Imf::Header& header, const std::string& name) {
 FloatImage decode(std::span<const std::byte> bytes, const std::string& name) {
   ExrStream stream(bytes, name);
   Imf::MultiPartInputFile file(stream, static_cast<int>(threadCount()));
-  const Imf::Header& header = file.header(0);
-  if (header.hasType() && !Imf::isSupportedType(header.type())) badInput("'{}' has a part of unknown type", name);
-  if (header.hasType() && Imf::isDeepData(header.type())) {
-    badInput("'{}' contains deep data; flatten it first", name);
-  }
+  const Selection selection = choosePart(file, name);
+  const Imf::Header& header = file.header(selection.part);
   const Window data(header.dataWindow()), display(header.displayWindow());
   checkWindow(data, name);
   checkWindow(display, name);
-  if (!file.partComplete(0)) badInput("'{}' is truncated: some of its pixels are missing; download it again", name);
-  const ChannelNames channels = chooseChannels(header.channels(), name);
+  if (!file.partComplete(selection.part))
+    badInput("'{}' is truncated: some of its pixels are missing; download it again", name);
+  checkSampling(header.channels(), selection.channels, name);
   checkColours(header, name);
-  Imf::InputPart part(file, 0);
-  return placeInDisplay(readData(part, data, channels), data, display);
+  Imf::InputPart part(file, selection.part);
+  return placeInDisplay(readData(part, data, selection.channels), data, display);
 }
 
 }  // namespace
