@@ -210,6 +210,8 @@ TEST(GltfFiles, MissingAndBrokenPictures) {
   EXPECT_THAT(errorOf(b), HasSubstr("nowhere.png"));
   b.root["images"][0] = {{"bufferView", b.view(std::vector<uint8_t>{1, 2, 3, 4})}, {"name", "rust"}};
   EXPECT_THAT(errorOf(b), HasSubstr("images[0] (rust) is not a"));
+  b.root["images"][0] = {{"uri", "data:image/png;base64,"}};
+  EXPECT_THAT(errorOf(b), HasSubstr("images[0] has 0 bytes"));
 }
 
 // --- models from elsewhere

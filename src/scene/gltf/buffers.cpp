@@ -180,6 +180,7 @@ ImageSource readImage(Document& document, const json& image, size_t index, const
   } else if (image.contains("uri")) {
     try {
       source.encoded = readUri(document, enclosure, image["uri"].get_ref<const std::string&>(), source.name);
+      if (source.encoded.empty()) source.problem = source.name + " has 0 bytes: save it again";
     } catch (const Error& error) {
       source.problem = error.what();
     }
