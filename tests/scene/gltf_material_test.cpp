@@ -332,6 +332,26 @@ TEST(GltfMaterial, UvSetsAboveTheSecondBecomeTheSecond) {
             1u);
 }
 
+// Textures then have the first set in all meshes, also in those with colors.
+TEST(GltfMaterial, FirstUvSetReplacesAMissingSecondOne) {
+  for (const bool hasColors : {false, true}) {
+    GltfBuilder b = withMaterial({{"name", "rust"}, {"normalTexture", {{"index", 0}, {"texCoord", 1}}}});
+    const std::vector<vec2> uv = {{.1f, .2f}, {.3f, .4f}, {.5f, .6f}};
+    b.primitive()["attributes"]["TEXCOORD_0"] = b.vectors(uv);
+    if (hasColors) b.primitive()["attributes"]["COLOR_0"] = b.vectors(std::vector<vec3>(3, vec3(.5f)));
+    b.root["meshes"][0]["primitives"].push_back(json(b.primitive()));  // the warning is one per material
+    std::vector<std::string> warnings;
+    const WarningCapture capture(warnings);
+    const Scene scene = b.load();
+    EXPECT_THAT(
+        warnings,
+        testing::ElementsAre(HasSubstr("meshes[0].primitives[0] has no TEXCOORD_1, which the material \"rust\" uses")));
+    ASSERT_EQ(scene.meshes[0].extras.size(), 3u);
+    for (size_t i = 0; i < 3; ++i) EXPECT_EQ(scene.meshes[0].extras[i].uv1, uv[i]);
+    EXPECT_NE(scene.meshes[0].attributes[0].tangent, vec4(0));
+  }
+}
+
 TEST(GltfMaterial, SecondUvSet) {
   GltfBuilder b = triangleFile();
   b.primitive()["attributes"]["TEXCOORD_1"] = b.vectors(std::vector<vec2>{{.1f, .2f}, {.3f, .4f}, {.5f, .6f}});

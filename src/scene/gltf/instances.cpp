@@ -46,6 +46,12 @@ std::optional<TangentSpace> missingTangents(const Material& material, const file
   return given ? std::nullopt : tangentSpaceOf(material, options);
 }
 
+bool usesSecondUv(const Material& material) {
+  for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot)
+    if ((material.data.textures >> slot & 1u) != 0 && material.data.transforms[slot].uvSet == 1) return true;
+  return false;
+}
+
 // EXT_mesh_gpu_instancing: the transforms of instances relative to their node. Without the extension there is a single
 // instance at the node itself.
 struct Placements {
@@ -133,7 +139,11 @@ class Placer {
                         .skin = primitive.attributes.contains("JOINTS_0") ? node.skin : -1,
                         .weights = weightsOf(node, mesh, primitive),
                         .weightsNode = primitive.targets.empty() ? -1 : movedWeights(int(index)),
-                        .tangentSpace = missingTangents(scene_.materials[material], primitive, options_)};
+                        .tangentSpace = missingTangents(scene_.materials[material], primitive, options_),
+                        .copiesUv = lacksSecondUv(primitive, material)};
+    if (request.copiesUv && warned_.insert(material).second)
+      warn("meshes[{}].primitives[{}] has no TEXCOORD_1, which the material \"{}\" uses: TEXCOORD_0 is used instead",
+           node.mesh, p, scene_.materials[material].name);
     // A skinned mesh is already posed in the file's frame, so its own node does not move it.
     const bool posed = request.skin >= 0;
     const glm::dmat4 world = posed ? glm::dmat4(1) : hierarchy_.world[index];
@@ -212,6 +222,13 @@ class Placer {
     return *default_;
   }
 
+  // Returns true if a texture has coordinates that only the first set of the primitive can replace.
+  bool lacksSecondUv(const file::Primitive& primitive, uint32_t material) const {
+    const file::Attributes& attributes = primitive.attributes;
+    return !attributes.contains("TEXCOORD_1") && attributes.contains("TEXCOORD_0") &&
+           usesSecondUv(scene_.materials[material]);
+  }
+
   // Returns the node itself if an animation changes its weights, otherwise -1.
   int movedWeights(int node) const { return moved_.contains(uint32_t(node)) ? node : -1; }
 
@@ -221,7 +238,7 @@ class Placer {
     for (uint32_t candidate : candidates) {
       const MeshRequest& other = requests_[candidate];
       if (other.skin == request.skin && other.weights == request.weights && other.weightsNode == request.weightsNode &&
-          other.tangentSpace == request.tangentSpace)
+          other.tangentSpace == request.tangentSpace && other.copiesUv == request.copiesUv)
         return candidate;
     }
     candidates.push_back(uint32_t(requests_.size()));
@@ -237,8 +254,9 @@ class Placer {
   std::vector<MeshRequest> requests_;
   std::map<Geometry, std::vector<uint32_t>> known_;
   std::optional<uint32_t> default_;
-  std::unordered_set<uint32_t> moved_;  // nodes whose weights are animated
-  UniqueIds ids_, parts_;               // ids of nodes and copies, and of instances
+  std::unordered_set<uint32_t> moved_;   // nodes whose weights are animated
+  std::unordered_set<uint32_t> warned_;  // materials without their second set of texture coordinates
+  UniqueIds ids_, parts_;                // ids of nodes and copies, and of instances
 };
 
 }  // namespace

@@ -16,7 +16,10 @@ constexpr float kDielectricF0 = 0.04f;  // for the default index of refraction, 
 void setTransform(shared::TextureTransform& out, const file::TextureInfo& info) {
   setRows(out, info.transform);
   if (info.texCoord > 1)
-    warn("a texture uses TEXCOORD_{}; two UV sets are supported, and TEXCOORD_1 is used instead", info.texCoord);
+    warn(
+        "a texture uses TEXCOORD_{}; two UV sets are supported: TEXCOORD_1 is used instead, or TEXCOORD_0 in meshes "
+        "without it",
+        info.texCoord);
   out.uvSet = uint32_t(std::min(info.texCoord, 1));
 }
 

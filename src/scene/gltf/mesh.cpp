@@ -157,6 +157,7 @@ Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshR
   document.budget.charge(source.count * kVertexBytes, source.name);
   Vertices vertices = readVertices(document, source);
   morphCoordinatesAndColors(document, primitive, source, request.weights, vertices);
+  if (request.copiesUv) vertices.uv[1] = vertices.uv[0];
 
   std::vector<uint32_t> indices = std::move(source.indices);
   const bool flat = vertices.normals.empty();

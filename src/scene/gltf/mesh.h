@@ -20,6 +20,7 @@ struct MeshRequest {
   std::vector<double> weights;               // rest weights of morph targets; empty: morph targets are ignored
   int weightsNode = -1;                      // glTF node with animated weights; -1: none
   std::optional<TangentSpace> tangentSpace;  // set if tangents are required
+  bool copiesUv = false;                     // if TEXCOORD_1 is a copy of TEXCOORD_0
   bool operator==(const MeshRequest&) const = default;
 };
 
