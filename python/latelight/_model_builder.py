@@ -36,6 +36,11 @@ def linear(colors: np.ndarray) -> np.ndarray:
     return colors.astype(np.float32)
 
 
+def encoded(colors: np.ndarray) -> np.ndarray:
+    """Encodes linear colors in [0, 1] as sRGB (IEC 61966-2-1)."""
+    return np.where(colors <= 0.0031308, colors * 12.92, 1.055 * np.maximum(colors, 0.0031308) ** (1 / 2.4) - 0.055)
+
+
 def v_down(uv: Any) -> np.ndarray:
     """Texture coordinates with v up become those of glTF, with v down."""
     uv = np.array(uv, np.float32)[:, :2]

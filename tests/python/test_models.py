@@ -2076,6 +2076,45 @@ def test_usd_images_may_have_16_bits(stage, tmp_path):
     assert painted_with(latelight.from_usd(stage), tmp_path) == ([120, 120, 120], 120)
 
 
+@pytest.mark.parametrize("packaged", [False, True])
+def test_usd_images_may_have_linear_values(stage, tmp_path, packaged):
+    """Radiance's RGBE: a mantissa m of 8 bits and an exponent e are m / 256 * 2^(e - 128). Colors become sRGB (IEC
+    61966-2-1): 0.75, 0.25 and 0.125 are 225, 137 and 99 of 255. The roughness 0.75 is 191."""
+    from pxr import Sdf
+
+    texel = bytes((192, 64, 32, 128))
+    (tmp_path / "paint.hdr").write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n" + 4 * texel)
+    file = tmp_path / "paint.hdr"
+    if packaged:
+        archive = Sdf.ZipFileWriter.CreateNew(str(tmp_path / "paint.usdz"))
+        archive.AddFile(str(file), "paint.hdr")
+        archive.Save()
+        file = f"{tmp_path}/paint.usdz[paint.hdr]"
+    painted(stage, file)
+    assert painted_with(latelight.from_usd(stage), tmp_path) == ([225, 137, 99], 191)
+
+
+@pytest.mark.parametrize("name", ["paint.png", "paint.jpg", "paint.exr"])
+@pytest.mark.parametrize("damage", ["truncated", "garbage", "empty"])
+def test_usd_images_that_cannot_be_decoded_are_named(stage, tmp_path, name, damage):
+    image = pytest.importorskip("PIL.Image")
+
+    file = tmp_path / name
+    if name.endswith(".exr"):
+        file.write_bytes(b"\x76\x2f\x31\x01")  # the magic number
+    else:
+        image.fromarray(np.random.default_rng(1).integers(0, 255, (16, 16, 3), np.uint8)).save(file)
+    contents = {"truncated": file.read_bytes()[: file.stat().st_size // 2], "garbage": b"no image", "empty": b""}
+    file.write_bytes(contents[damage])
+    painted(stage, file)
+    with pytest.raises(latelight.InputError, match=re.escape(str(file))):
+        latelight.from_usd(stage)
+    stage.GetRootLayer().Export(str(tmp_path / "stage.usda"))
+    with pytest.raises(latelight.InputError, match=re.escape(str(file))) as raised:
+        latelight.from_usd(tmp_path / "stage.usda")
+    assert "usd-core" not in str(raised.value)
+
+
 def test_usd_images_are_scaled(stage, tmp_path):
     """UsdUVTexture: values of an image are multiplied by a scale before they are used."""
     image = pytest.importorskip("PIL.Image")

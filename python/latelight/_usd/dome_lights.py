@@ -10,8 +10,7 @@ import numpy as np
 from .._model_builder import linear
 from ..errors import UsageError
 from .context import Context
-from .files import extension
-from .images import open_image, read_radiance
+from .images import is_radiance, open_image, read_radiance
 from .lights import color_of, radiance_of
 from .transforms import axes_of
 
@@ -52,7 +51,7 @@ def _image_of(context: Context, dome: Any) -> np.ndarray:
         raise UsageError(f"{dome.GetPath()} has the texture {file.path}, which does not exist")
     if not path:
         return np.ones((1, 2, 3), np.float32)
-    if extension(path) in (".hdr", ".exr"):
+    if is_radiance(path):
         return read_radiance(context.files, path)
     return linear(np.asarray(open_image(context.files, path).convert("RGB")) / 255)
 

@@ -11,16 +11,37 @@ from typing import Any
 import numpy as np
 
 from .._core import read_environment
-from .._model_builder import missing, to_eight_bits
+from .._model_builder import encoded, missing, to_eight_bits
+from ..errors import InputError
 from .files import Files, extension
 
 
-def open_image(files: Files, path: str) -> Any:
+def _pillow() -> Any:
     try:
-        pil = importlib.import_module("PIL.Image")
+        return importlib.import_module("PIL.Image")
     except ImportError:
         raise missing("pillow", "from_usd") from None
-    return to_eight_bits(pil.open(io.BytesIO(files.packaged(path)) if files.is_packaged(path) else path))
+
+
+def open_image(files: Files, path: str) -> Any:
+    """A decoded image of Pillow, with 8 bits per channel."""
+    pil = _pillow()
+    source = io.BytesIO(files.packaged(path)) if files.is_packaged(path) else path
+    try:
+        with pil.open(source) as image:
+            image.load()
+            return to_eight_bits(image)
+    except MemoryError:
+        raise
+    except Exception as error:  # Pillow's decoders raise errors of many types
+        known = "it is truncated, damaged or of an unknown format"
+        reason = known if isinstance(error, pil.UnidentifiedImageError) else error
+        raise InputError(f"the image {path} cannot be read by Pillow: {reason}") from None
+
+
+def is_radiance(path: str) -> bool:
+    """Returns true for files with linear values, which Pillow does not decode."""
+    return extension(path) in (".hdr", ".exr")
 
 
 def read_radiance(files: Files, path: str) -> np.ndarray:
@@ -31,7 +52,17 @@ def read_radiance(files: Files, path: str) -> np.ndarray:
         copy = os.path.join(folder, f"environment{extension(path)}")
         with open(copy, "wb") as file:
             file.write(files.packaged(path))
-        return read_environment(copy)
+        try:
+            return read_environment(copy)
+        except InputError as error:
+            raise InputError(str(error).replace(copy, path)) from None
+
+
+def radiance_image(files: Files, path: str, srgb: bool) -> Any:
+    """A .hdr or .exr file as an image of Pillow with 8 bits per channel, encoded as sRGB or linear. Values above 1
+    become 1, because textures of glTF end there."""
+    values = np.clip(np.nan_to_num(read_radiance(files, path)), 0, 1)
+    return _pillow().fromarray(np.rint((encoded(values) if srgb else values) * 255).astype(np.uint8))
 
 
 def metallic_roughness(rough: np.ndarray | None, metal: np.ndarray | None) -> np.ndarray | None:

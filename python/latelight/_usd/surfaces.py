@@ -9,7 +9,7 @@ import numpy as np
 
 from .._model_builder import Wrap
 from .context import Context
-from .images import open_image
+from .images import is_radiance, open_image, radiance_image
 from .primvars import Primvars
 from .readers import Reader, reader_of
 
@@ -141,12 +141,15 @@ class Surface:
     def image(self, name: str, mode: str = "") -> Any:
         """The image that an input is connected to, as pixels: in a mode of Pillow, or in the file's.
 
-        Colors are read as "RGB", because a shader's inputs of colors do not include the alpha of the image."""
+        Colors, which are sRGB, are read as "RGB", because a shader's inputs of colors do not include the alpha of the
+        image."""
         path = self.image_use(name).path
         if not path:
             return None
         key = (path, mode)
-        if key not in self.images:
+        if key not in self.images and is_radiance(path):
+            self.images[key] = radiance_image(self.context.files, path, srgb=mode == "RGB")
+        elif key not in self.images:
             self.images[key] = self.image(name).convert(mode) if mode else open_image(self.context.files, path)
         return self.images[key]
 
