@@ -11,7 +11,7 @@
 #include "api/device_array.h"
 #include "api/renderer.h"
 #include "api/settings.h"
-#include "api/world_array.h"
+#include "api/worlds/world_array.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/memory.h"
