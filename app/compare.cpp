@@ -189,7 +189,7 @@ void addCompareCommand(CLI::App& app) {
   command
       ->add_option(
           "--tolerance", arguments->tolerances,
-          "Largest error of a pixel: T for all outputs except ids, or OUTPUT=T, by comma. Colors: |a-b| <= T "
+          "Largest error of a pixel: T for all outputs except ids, or OUTPUT=T, comma-separated. Colors: |a-b| <= T "
           "max(1, |a|, |b|), PNG values being in [0, 1]; default: one level for 8 and 16 bits, 1e-4 for floats. "
           "Depth, distance and positions: relative, 1e-4. Normals and tangents: degrees, 0.01. Motion: pixels, 0.01. "
           "Ids and triangles: equal. All others: as colors")

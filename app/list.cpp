@@ -225,7 +225,7 @@ void printLayout(const Json& row) {
   fmt::print("{:<{}}  normals: {}\n", "", kIndent, text(row["normals"]));
   fmt::print("{:<{}}  position: {}\n", "", kIndent, text(row["position"]));
   if (row["raster"] != "any") fmt::print("{:<{}}  raster: {} alone\n", "", kIndent, text(row["raster"]));
-  fmt::print("{:<{}}  bytes a pixel: {} targets + {} depth + {} light = {}{}\n", "", kIndent, text(here["targets"]),
+  fmt::print("{:<{}}  bytes per pixel: {} targets + {} depth + {} light = {}{}\n", "", kIndent, text(here["targets"]),
              text(here["depth"]), text(here["light"]), text(here["total"]), beside(text(original["total"])));
   fmt::print("{:<{}}  {}, {} sample{}: {}{}\n", "", kIndent, text(row["size"]), text(row["samples"]),
              row["samples"] == 1 ? "" : "s", sizeText(here), beside(sizeText(original)));

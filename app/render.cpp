@@ -122,7 +122,7 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::D
   if (o.settings.exposure.automatic) request.sideFile = true;  // it states the exposure
   if (o.noSideFile) request.sideFile = false;
   request.inSequence = !o.frames.empty();
-  if (debug && !o.aovs.empty()) badUsage("--debug and --aov each say what leaves; use one of them");
+  if (debug && !o.aovs.empty()) badUsage("--debug and --aov both select what is written: use one of them");
   const bool isPictureOptional = !o.picks.empty() || !o.labels.empty() || !o.correspond.empty();
   if (o.out.empty() && (!isPictureOptional || debug || !o.aovs.empty()))
     badUsage("--out is required: give the output file with -o, unless only --pick, --labels or --correspond is used");

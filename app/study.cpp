@@ -106,7 +106,7 @@ ResultFolder::ResultFolder(const std::filesystem::path& path, const std::string&
   made_ = std::filesystem::create_directory(path, error);
   if (!std::filesystem::is_directory(path, ignored)) {
     if (isThere(path)) badUsage("{} is no folder; give -o the name of one, or a new name", path.string());
-    badUsage("the folder {} can't be made: {}; give -o another", path.string(), error.message());
+    badUsage("the folder {} cannot be created: {}; give -o another", path.string(), error.message());
   }
   checkWritable(path / (study + ".json"));
   for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error))

@@ -105,7 +105,7 @@ std::vector<std::byte> AllowedFolders::read(const fs::path& name) const {
   const Descriptor file = openWithoutLinks(real);
   const int reason = errno;
   if (!file && fs::is_regular_file(real, error))
-    badInput("is the file {}, which can't be read: {}", name.string(), std::generic_category().message(reason));
+    badInput("is the file {}, which cannot be read: {}", name.string(), std::generic_category().message(reason));
   if (!file || !isRegular(file.get()) || isOfKernel(file.get()))
     badInput("is {}, which is not a regular file: a scene must not read devices, pipes, folders or kernel files",
              name.string());

@@ -14,7 +14,7 @@ namespace {
 void requireFit(const Use use, bool image, const std::string& name) {
   const UseInfo& info = useInfo(use);
   if (image ? info.forImages() : info.forBuffers) return;
-  fail(ExitCode::Internal, "frame graph: {} '{}' can't be used as {}", image ? "image" : "buffer", name, info.name);
+  fail(ExitCode::Internal, "frame graph: {} '{}' cannot be used as {}", image ? "image" : "buffer", name, info.name);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ void removeNode(Scene& scene, uint32_t index) {
 void requireUnused(const Scene& scene, uint32_t Instance::*member, uint32_t index, const std::string& what) {
   for (const Instance& instance : scene.instances)
     if (!instance.removed && instance.*member == index)
-      badUsage("{} can't be removed, since the instance {} shows it: remove that first", what,
+      badUsage("{} cannot be removed, since the instance {} shows it: remove that first", what,
                printable(scene.nodes[instance.node].path));
 }
 
@@ -135,7 +135,7 @@ uint32_t addInstance(Scene& scene, uint32_t mesh, uint32_t material, const dmat4
 
 std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts, const std::string& name,
                                 const std::optional<NodeCopy>& copy) {
-  if (parts.empty()) badUsage("an object without meshes can't be added");
+  if (parts.empty()) badUsage("an object without meshes cannot be added");
   for (const ObjectPart& part : parts) {
     present(scene.meshes, part.mesh, "mesh");
     present(scene.materials, part.material, "material");
@@ -268,7 +268,7 @@ void removeTexture(Scene& scene, uint32_t texture) {
   Texture& removed = present(scene.textures, texture, "texture");
   for (const Material& material : scene.materials)
     if (samples(material, texture))
-      badUsage("the texture \"{}\" can't be removed, since the material \"{}\" samples it: take it from there first",
+      badUsage("the texture \"{}\" cannot be removed, since the material \"{}\" samples it: take it from there first",
                printable(removed.name), printable(material.name));
   reserveGap(scene.edits.textureGaps, texture);
   scene.edits.textures.note(texture);

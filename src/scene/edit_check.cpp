@@ -149,7 +149,7 @@ void checkShape(const Light& light, const std::string& owner) {
   }
   if (light.type == shared::kLightTube) checkLength(light.length, "length");
   if (light.twoSided && light.type != shared::kLightRect && light.type != shared::kLightDisk)
-    badUsage("{} can't be two-sided: only rect and disk lights have two sides", owner);
+    badUsage("{} cannot be two-sided: only rect and disk lights have two sides", owner);
   if (light.range) badUsage("{} can't have a range: area lights are unbounded", owner);
   for (int i = 0; i < 3; ++i) checkFinite(numbers(light.axes[i]), "orientation", owner);
 }

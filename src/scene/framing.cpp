@@ -111,7 +111,7 @@ float verticalScale(const Camera& camera, float aspect) {
 
 Camera frameScene(const Scene& scene, float aspect) {
   if (!(aspect > 0.0f && std::isfinite(aspect)))
-    badUsage("A picture of aspect {:g} can't be framed: width and height must be positive", aspect);
+    badUsage("A picture of aspect {:g} cannot be framed: width and height must be positive", aspect);
   const Box box = visibleBox(scene);
   const Axes axes = orbitAxes(kAzimuth, kElevation);
   // For aspect ratios far from square, the field of view is narrowed along the long side before the perspective becomes
@@ -131,7 +131,7 @@ Camera orbitCamera(const Scene& scene, float azimuth, float elevation, std::opti
   if (distance && !(*distance > 0.0f && std::isfinite(*distance)))
     badUsage("An orbit at distance {:g} m is not possible: give a positive distance", *distance);
   if (!(aspect > 0.0f && std::isfinite(aspect)))
-    badUsage("A picture of aspect {:g} can't be framed: width and height must be positive", aspect);
+    badUsage("A picture of aspect {:g} cannot be framed: width and height must be positive", aspect);
   const Box box = visibleBox(scene);
   const Axes axes = orbitAxes(azimuth, elevation);
   const double half = std::atan(std::tan(0.5 * verticalFov) * std::min(1.0, double{aspect}));

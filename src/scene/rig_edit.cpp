@@ -412,8 +412,8 @@ void checkTrack(const Scene& scene, const std::string& animation, Track& track) 
                 : track.property == AnimatedProperty::Weights ? static_cast<uint32_t>(node.weights.size())
                 : track.property == AnimatedProperty::Visible ? 1
                                                               : 3;
-  if (moves && node.hasMatrix) badUsage("{} can't be animated, because its transform is a matrix", owner);
-  if (track.width == 0) badUsage("{} can't be animated, because its meshes have no morph targets", owner);
+  if (moves && node.hasMatrix) badUsage("{} cannot be animated, because its transform is a matrix", owner);
+  if (track.width == 0) badUsage("{} cannot be animated, because its meshes have no morph targets", owner);
   checkTimes(track, owner);
   checkValues(track, owner);
 }

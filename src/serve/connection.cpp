@@ -135,7 +135,7 @@ void Connection::answer(beast::error_code error) {
 void Connection::answerUnread(beast::error_code error) {
   const bool isLate = error == beast::error::timeout;
   if (isLate && !parser_->got_some()) return;
-  hub_.logRefusal(peer_, isLate ? "its request took too long" : "its request can't be read: " + error.message());
+  hub_.logRefusal(peer_, isLate ? "its request took too long" : "its request cannot be read: " + error.message());
   const std::optional<http::status> status = statusOf(error);
   if (!status) return;
   Response response{*status, 11};

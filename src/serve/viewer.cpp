@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr size_t kMaxOrdersWaiting = 4096;  // number of orders; pages send a few hundred per second at most
 
-constexpr std::string_view kPicture = "a picture on its way to the page";
+constexpr std::string_view kPicture = "an image that is sent to the page";
 
 // Bytes per pixel of a screenshot while it is encoded: the pixels, the filtered rows, and the file.
 constexpr uint64_t kScreenshotBytesPerPixel = 12;

@@ -190,7 +190,7 @@ render::WorldStates turningWorldsOnDevice(vk::Device& device, const scene::Scene
 }
 
 Table viewsTable(const char* name) {
-  return {name, {"raster", "pass", "ms", "spread %", "views a second"}, {}};
+  return {name, {"raster", "pass", "ms", "spread %", "views per second"}, {}};
 }
 
 }  // namespace

@@ -12,8 +12,8 @@ LightsBench::LightsBench(const Ceilings& ceilings, const BenchOptions& options)
     : ceilings_(ceilings),
       options_(options),
       table_{"lights",
-             {"lighting", "lights", "lists ms", "lighting ms", "spread %", "MB", "% of copies", "tested a pixel",
-              "used a pixel", "ps a used light"},
+             {"lighting", "lights", "lists ms", "lighting ms", "spread %", "MB", "% of copies", "tested per pixel",
+              "used per pixel", "ps per used light"},
              {}} {}
 
 // Skips techniques whose predicted time exceeds the budget: with a million lights, those that iterate over all lights

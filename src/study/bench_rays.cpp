@@ -180,7 +180,7 @@ void addCastTime(Table& table, render::Renderer& renderer, const scene::Camera& 
 
 Table benchRays(render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
                 const render::Settings& settings, uint32_t count, const BenchOptions& options) {
-  Table table{"rays", {"measured", "number", "ms", "spread %", "G a second", "MB"}, {}};
+  Table table{"rays", {"measured", "number", "ms", "spread %", "G per second", "MB"}, {}};
   render::Settings world = settings;
   world.axes = render::Axes::ZUp;  // as the camera
   addDeviceRates(table, renderer, camera, moment, world, count, options.frames);

@@ -71,7 +71,7 @@ Table benchShade(render::Renderer& renderer, const scene::Camera& camera, const 
                  const render::Settings& settings, const Ceilings& ceilings, const BenchOptions& options) {
   Table table{"shade",
               {"light", "shading", "no lights ms", "spread %", "MB", "% of copies", "ps a light", "G lights/s",
-               "multiply-adds", "lighting", "ps a used light", "to the bound"},
+               "multiply-adds", "lighting", "ps per used light", "to the bound"},
               {}};
   const size_t ways = render::choices<render::Shading>().size();
   for (uint32_t i = 0; i < ways; ++i) {

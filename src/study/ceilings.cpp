@@ -108,12 +108,12 @@ std::string toText(const Ceilings& ceilings) {
   const auto rate = [](double value) {
     return value < 1e12 ? fmt::format("{:#.3g} G", 1e-9 * value) : fmt::format("{:#.3g} T", 1e-12 * value);
   };
-  return fmt::format("copies {}B/s, {} multiply-adds a second", rate(ceilings.copiedBytes),
+  return fmt::format("copies {}B/s, {} multiply-adds per second", rate(ceilings.copiedBytes),
                      rate(ceilings.multiplyAdds));
 }
 
 nlohmann::ordered_json toJson(const Ceilings& ceilings) {
-  return {{"copied bytes a second", ceilings.copiedBytes}, {"multiply-adds a second", ceilings.multiplyAdds}};
+  return {{"copied bytes per second", ceilings.copiedBytes}, {"multiply-adds per second", ceilings.multiplyAdds}};
 }
 
 }  // namespace latelight::study

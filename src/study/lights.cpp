@@ -422,8 +422,8 @@ class LightStudy {
   // lights.
   Table models() const {
     Table table{"lights-model",
-                {"technique", "grows with", "R2 of sum", "R2 of product", "points", "ms a light, fewest triangles",
-                 "ms a light, most triangles", "from triangles", "to triangles"},
+                {"technique", "grows with", "R2 of sum", "R2 of product", "points", "ms per light, fewest triangles",
+                 "ms per light, most triangles", "from triangles", "to triangles"},
                 {}};
     for (const TechniqueInfo& technique : render::techniques()) {
       const std::vector<const Row*> grid = gridOf(technique);

@@ -273,7 +273,7 @@ uint32_t ViewSession::Impl::lightAt(uint32_t place) const {
 }
 
 void ViewSession::Impl::moveLight(uint32_t light, glm::dvec3 world) {
-  if (!std::isfinite(static_cast<float>(world.x + world.y + world.z))) badUsage("a light can't be moved that far");
+  if (!std::isfinite(static_cast<float>(world.x + world.y + world.z))) badUsage("a light cannot be moved that far");
   scene::Light moved = stage.scene().lights[light];
   moved.position = world;
   scene::setLight(stage.scene(), light, moved);

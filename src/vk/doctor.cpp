@@ -115,7 +115,7 @@ Finding examineDevice(const DeviceInfo& device) {
   const std::string what = fmt::format("Device {}, {} ({}, Vulkan {}, driver {})", device.index, device.name,
                                        device.type, device.apiVersion, device.driver);
   if (isUsable(device)) return {true, what + ", can be used.", ""};
-  return {false, fmt::format("{}, can't be used: it lacks {}.", what, fmt::join(device.missing, ", ")),
+  return {false, fmt::format("{}, cannot be used: it lacks {}.", what, fmt::join(device.missing, ", ")),
           "Update its driver, or choose another device with --device."};
 }
 

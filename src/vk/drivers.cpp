@@ -98,7 +98,7 @@ DriverProbe readDriverFile(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return {"", "is not there"};
   std::ifstream stream(file);
-  if (!stream) return {"", "can't be read"};
+  if (!stream) return {"", "cannot be read"};
   const JsonTree tree = nlohmann::json::parse(stream, nullptr, false);
   const nlohmann::json& json = *tree;
   if (json.is_discarded()) return {"", "is not JSON"};

@@ -38,7 +38,7 @@ TEST(Bench, MeasuresManyWorlds) {
   for (const json& row : report["worlds"]) {
     if (row["pass"] == "host, until submitted") host = row["ms"];
     if (row["pass"] != "all, until done") continue;
-    EXPECT_FLOAT_EQ(row["views a second"], 4000 / row["ms"].get<float>());
+    EXPECT_FLOAT_EQ(row["views per second"], 4000 / row["ms"].get<float>());
     EXPECT_LT(host, row["ms"].get<double>());
     EXPECT_GT(host, 0);
   }
@@ -56,7 +56,7 @@ TEST(Bench, MeasuresRays) {
     ASSERT_TRUE(rows.contains(name)) << name;
     EXPECT_EQ(rows[name]["number"], 2000) << name;
     EXPECT_GT(rows[name]["ms"], 0) << name;
-    EXPECT_NEAR(rows[name]["G a second"].get<double>() * rows[name]["ms"].get<double>(), 2e-3, 1e-9) << name;
+    EXPECT_NEAR(rows[name]["G per second"].get<double>() * rows[name]["ms"].get<double>(), 2e-3, 1e-9) << name;
   }
   EXPECT_GT(rows["triangles of BVHs"]["number"], 1000);
   EXPECT_GT(rows["triangles of BVHs"]["MB"], 0);
@@ -109,7 +109,7 @@ TEST(Bench, MeasuresManyViews) {
   int whole = 0;
   for (const json& row : rows)
     if (row["pass"] == "all, until done") {
-      EXPECT_FLOAT_EQ(row["views a second"], 8000 / row["ms"].get<float>());
+      EXPECT_FLOAT_EQ(row["views per second"], 8000 / row["ms"].get<float>());
       ++whole;
     }
   EXPECT_EQ(whole, 2);
@@ -117,8 +117,8 @@ TEST(Bench, MeasuresManyViews) {
 }
 
 void expectCeilings(const json& report) {
-  EXPECT_GT(report["ceilings"]["copied bytes a second"], 0);
-  EXPECT_GT(report["ceilings"]["multiply-adds a second"], 0);
+  EXPECT_GT(report["ceilings"]["copied bytes per second"], 0);
+  EXPECT_GT(report["ceilings"]["multiply-adds per second"], 0);
 }
 
 // Composing reads 8 bytes per pixel and writes 4. With a transparent background it processes covered tiles only, as
@@ -139,7 +139,7 @@ TEST(Bench, ComparesWholePassesWithCopies) {
       continue;
     }
     ++found;
-    const double bytes = known->second * 64 * 48, copied = report["ceilings"]["copied bytes a second"];
+    const double bytes = known->second * 64 * 48, copied = report["ceilings"]["copied bytes per second"];
     EXPECT_DOUBLE_EQ(row["MB"], 1e-6 * bytes);
     EXPECT_NEAR(row["% of copies"], 100 * bytes / (1e-3 * row["ms"].get<double>() * copied), 1e-6);
   }
@@ -177,8 +177,8 @@ TEST(Bench, MeasuresLightingOverLights) {
                    folder.at("{aov}.npy"), "--aov", "lights-tested,lights-used", "--lighting", order[i].first,
                    "--device", "cpu", "--size", "64x36", "--shadows", "none"});
     ASSERT_EQ(counted.code, 0) << counted.text();
-    EXPECT_DOUBLE_EQ(row["tested a pixel"], meanOfFile(folder.path() / "lights-tested.npy"));
-    EXPECT_DOUBLE_EQ(row["used a pixel"], meanOfFile(folder.path() / "lights-used.npy"));
+    EXPECT_DOUBLE_EQ(row["tested per pixel"], meanOfFile(folder.path() / "lights-tested.npy"));
+    EXPECT_DOUBLE_EQ(row["used per pixel"], meanOfFile(folder.path() / "lights-used.npy"));
   }
 }
 
@@ -197,9 +197,10 @@ TEST(Bench, MeasuresTheBoundOfLighting) {
     // a difference of two measured times, so any value is possible on a busy machine
     const double cost = row["ps a light"];
     EXPECT_NEAR(row["G lights/s"].get<double>() * cost, 1000, 1e-6);
-    EXPECT_NEAR(row["multiply-adds"], 1e-12 * cost * report["ceilings"]["multiply-adds a second"].get<double>(), 1e-3);
+    EXPECT_NEAR(row["multiply-adds"], 1e-12 * cost * report["ceilings"]["multiply-adds per second"].get<double>(),
+                1e-3);
     EXPECT_EQ(row["lighting"], "tiled");
-    EXPECT_NEAR(row["to the bound"].get<double>() * cost, row["ps a used light"], 1e-6 * std::abs(cost) + 1e-6);
+    EXPECT_NEAR(row["to the bound"].get<double>() * cost, row["ps per used light"], 1e-6 * std::abs(cost) + 1e-6);
   }
   EXPECT_EQ(seen.size(), 9u);  // point, spot and directional lights; ggx, blinn-phong and ggx-compensated
 }

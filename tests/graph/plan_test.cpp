@@ -361,18 +361,18 @@ TEST_F(Plans, RefuseUsesThatDoNotFit) {
   EXPECT_THAT(refusal([&] {
                 pass("p", {{b, Use::ColorAttachment}});
               }),
-              HasSubstr("buffer 'list' can't be used as ColorAttachment"));
+              HasSubstr("buffer 'list' cannot be used as ColorAttachment"));
   EXPECT_THAT(refusal([&] {
                 pass("p", {{i, Use::IndirectRead}});
               }),
-              HasSubstr("image 'color' can't be used as IndirectRead"));
-  EXPECT_THAT(refusal([&] { graph.exports(i, Use::HostRead); }), HasSubstr("can't be used as HostRead"));
+              HasSubstr("image 'color' cannot be used as IndirectRead"));
+  EXPECT_THAT(refusal([&] { graph.exports(i, Use::HostRead); }), HasSubstr("cannot be used as HostRead"));
   EXPECT_THAT(refusal([&] { pass("p", {{b, Use::HostRead}}); }), HasSubstr("HostRead is for exports"));
   EXPECT_THAT(refusal([&] {
                 pass("p", {{i, Use::ColorAttachment}, {i, Use::SampledFragment}});
               }),
               HasSubstr("'color' as ColorAttachment and as SampledFragment, which need different layouts"));
-  EXPECT_THAT(refusal([&] { graph.import(vk::Image(), Use::VertexRead); }), HasSubstr("can't be used as VertexRead"));
+  EXPECT_THAT(refusal([&] { graph.import(vk::Image(), Use::VertexRead); }), HasSubstr("cannot be used as VertexRead"));
 }
 
 TEST_F(Plans, GiveResourcesTheUsageTheyNeed) {

@@ -197,9 +197,9 @@ def test_what_is_used_is_not_removed(wall):
     texture = scene.add_texture(np.zeros((2, 2, 3), np.uint8), name="black")
     scene.set_texture(material, "base_color", texture)
     for words, call in (
-        ('the mesh "wall" can\'t be removed, since the instance /wall shows it', lambda: scene.remove_mesh(mesh)),
-        ('the material "paint" can\'t be removed, since the instance /wall', lambda: scene.remove_material(material)),
-        ('the texture "black" can\'t be removed, since the material "paint"', lambda: scene.remove_texture(texture)),
+        ('the mesh "wall" cannot be removed, since the instance /wall shows it', lambda: scene.remove_mesh(mesh)),
+        ('the material "paint" cannot be removed, since the instance /wall', lambda: scene.remove_material(material)),
+        ('the texture "black" cannot be removed, since the material "paint"', lambda: scene.remove_texture(texture)),
     ):
         with pytest.raises(latelight.UsageError, match=words):
             call()

@@ -359,7 +359,7 @@ TEST_F(DrawnLightingTest, LightsAreCounted) {
     // Where a light fades to zero or grazes a surface, the last bit decides whether the surface receives light.
     EXPECT_LE(different, picture.counts.size() / 200);
     EXPECT_GT(used, 0);
-    fmt::print("{}: {:.1f} lights tested and {:.1f} used a pixel\n", technique,
+    fmt::print("{}: {:.1f} lights tested and {:.1f} used per pixel\n", technique,
                tested / static_cast<double>(picture.counts.size()), used / static_cast<double>(picture.counts.size()));
   }
 }

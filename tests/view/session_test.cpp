@@ -202,13 +202,13 @@ TEST(ViewSessionTest, OptionsThatContradictTheEnvironmentAreRejected) {
   Viewer viewer(small());
   viewer(UseEnvironment{"none"});
   viewer(SetOption{"background", "hdri"});
-  EXPECT_THAT(viewer.state().error, HasSubstr("can't be the background"));
+  EXPECT_THAT(viewer.state().error, HasSubstr("background hdri requires an environment"));
   EXPECT_THAT(viewer.state().choices[0].options, IsEmpty());
   expectAsRenderedAfterAnInput(viewer, "no environment");
   viewer(UseEnvironment{"studio"});
   viewer(SetOption{"background", "hdri"});
   viewer(UseEnvironment{"none"});
-  EXPECT_THAT(viewer.state().error, HasSubstr("can't be the background"));
+  EXPECT_THAT(viewer.state().error, HasSubstr("background hdri requires an environment"));
   EXPECT_EQ(viewer.state().environment, "studio");
   expectAsRenderedAfterAnInput(viewer, "the environment as background");
 }
@@ -768,7 +768,7 @@ TEST(ViewSessionTest, LightsGoWhereTheyAreDragged) {
   EXPECT_NEAR((*viewer.state().lights[light].at)[0], 27, 0.1);
   EXPECT_NEAR((*viewer.state().lights[light].at)[1], 9, 0.1);
   viewer(DragLight{light, 1e300, 0});
-  EXPECT_THAT(viewer.state().error, HasSubstr("can't be moved that far"));
+  EXPECT_THAT(viewer.state().error, HasSubstr("cannot be moved that far"));
   EXPECT_NEAR((*viewer.state().lights[light].at)[0], 27, 0.1);
   viewer(Reload{});
   EXPECT_FALSE(viewer.state().lightsMoved);

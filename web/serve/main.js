@@ -111,7 +111,7 @@ async function showPicture(picture, payload, serial) {
     ["until shown", answered && `${(performance.now() - answered).toFixed(0)} ms`],
     ["pixels", `${picture.width} × ${picture.height}${picture.final ? "" : ", draft"}`],
     ["sent", `${(payload.length / 1000).toFixed(0)} kB, quality ${picture.quality}`],
-    ["G-buffer", `${state.bytesPerPixel} bytes a pixel`],
+    ["G-buffer", `${state.bytesPerPixel} bytes per pixel`],
   ]);
   if (picture.final) passes.show(picture.passes);
 }
@@ -188,7 +188,7 @@ function showVariants() {
   $("variant").value = state.variant;
 }
 
-// Not while one that was set here is on its way: the control would jump back and forth.
+// Not while one that was set here is pending: the control would jump back and forth.
 function showOptions() {
   if (followed < optionSent) return;
   options.show(state[side()].options);

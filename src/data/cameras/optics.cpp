@@ -117,12 +117,12 @@ Optics readProjection(Spec& spec, PictureSize job) {
   const LensModel model = readModel(spec);
   if (!spec.has("K") && model == LensModel::Pinhole) return opticsOfFov(spec);
   Lens lens{.model = model};
-  if (spec.has("fov")) badUsage("{} can't stand beside K or another model than pinhole", spec.pathOf("fov"));
+  if (spec.has("fov")) badUsage("{} requires the model pinhole without K", spec.pathOf("fov"));
   const bool calibrated = scene::infoOf(model).calibrated;
   const PictureSize size = readSize(spec, calibrated ? job : PictureSize{});
   lens.width = size.width, lens.height = size.height;
   if (!calibrated) {
-    if (spec.has("K")) badUsage("{} can't stand beside the model {}", spec.pathOf("K"), spec.text("model"));
+    if (spec.has("K")) badUsage("{} cannot be combined with the model {}", spec.pathOf("K"), spec.text("model"));
     // Panoramas have no intrinsics besides the aspect ratio, so any size with this ratio is valid.
     if (size.width == 0) lens.width = model == LensModel::CubeMap ? 6 : 2, lens.height = 1;
   } else {

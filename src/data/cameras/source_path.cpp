@@ -37,7 +37,7 @@ Keys readKeys(Spec& spec, const CameraContext& context, const Optics& optics) {
     if (!keys.empty() && !(key.time > keys.back().time))
       badUsage("{} must be later than the key frame before", entry.pathOf("time"));
     key.fov = optics.camera.verticalFov;
-    if (entry.has("fov") && optics.camera.lens) badUsage("{} can't stand beside a lens", entry.pathOf("fov"));
+    if (entry.has("fov") && optics.camera.lens) badUsage("{} cannot be combined with a lens", entry.pathOf("fov"));
     if (entry.has("fov")) key.fov = readFov(entry);
     entry.finish();
     key.rotation = quaternionOf(glm::dmat3(key.pose));

@@ -57,7 +57,8 @@ class AddedLights : public Variation {
     const std::optional<uint32_t> type = scene::findLightType(name);
     if (!type) badUsage("{} must be a type listed by `latelight list lights`, not \"{}\"", spec.pathOf("light"), name);
     if (shared::lightIsArea(*type))
-      badUsage("{} must be point, spot or directional, not {}: area lights can't be added", spec.pathOf("light"), name);
+      badUsage("{} must be point, spot or directional, not {}: area lights cannot be added", spec.pathOf("light"),
+               name);
     return *type;
   }
 

@@ -75,11 +75,11 @@ std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings&
     if (!lacks.empty())
       fail(ExitCode::NoDevice, "{} cannot rasterize in compute, which msaa{} requires: {}; choose msaa4.",
            device.info().name, settings.aa.samples, lacks);
-    return RasterChoice{Raster::Compute, "hardware has no such number of samples a pixel"};
+    return RasterChoice{Raster::Compute, "hardware has no such number of samples per pixel"};
   }
   if (!lacks.empty()) return RasterChoice{Raster::Hardware, lacks};
   if (alwaysDraws(settings))
-    return RasterChoice{Raster::Hardware, "forward techniques are drawn, and volumes of several samples a pixel"};
+    return RasterChoice{Raster::Hardware, "forward techniques are drawn, and volumes of several samples per pixel"};
   return std::nullopt;
 }
 

@@ -137,8 +137,7 @@ void checkScene(const vk::Device& device, const scene::Scene& scene, bool hasEnv
   checkSettings(settings);
   const bool anyEnvironment = hasEnvironment || !moment.worlds.environments.empty();
   if (settings.background.kind == Background::Environment && !anyEnvironment)
-    badUsage(
-        "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
+    badUsage("the background hdri requires an environment: choose one (a .hdr or .exr file, or studio)");
   checkRaysInWorlds(settings, moment.worlds);
   requireRaster(device, settings);
   // Worlds may have lights of their own, which are checked when their shadows are planned.

@@ -70,7 +70,7 @@ Buffers createBuffers(const FrameContext& f, FragmentCapacity limits) {
     return f.graph.create(vk::BufferDesc{.size = bytes, .name = name});
   };
   b.fragments = make("blended fragments", limits.fragments * sizeof(shared::Fragment));
-  b.counts = make("fragments a pixel", uint64_t{4} * b.pixels);
+  b.counts = make("fragments per pixel", uint64_t{4} * b.pixels);
   b.starts = make("starts of lists", uint64_t{4} * b.pixels);
   b.totals = make("totals of fragments", sizeof(shared::FragmentTotals));
   b.lists = make("lists of fragments", 4 * limits.fragments);

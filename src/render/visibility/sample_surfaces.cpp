@@ -32,7 +32,7 @@ void requireSamples(const vk::Device& device, const FrameConfig& setup) {
   if (!device.properties().limits.standardSampleLocations) refuse("samples in their standard places");
   const auto need = [&](VkFormat format, VkImageUsageFlags usage) {
     if (!hasSamples(device, format, usage, setup.samples))
-      refuse(std::string(vk::formatName(format)) + " targets of several samples a pixel");
+      refuse(std::string(vk::formatName(format)) + " targets of several samples per pixel");
   };
   need(kDepthFormat, kDepth);
   need(kLightFormat, kColor);

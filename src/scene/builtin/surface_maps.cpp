@@ -57,7 +57,7 @@ SurfaceMaps addMaps(Scene& scene, const std::string& name, ImageSize size, const
   const auto make = [&](uint32_t slot, bool srgb, const char* what) {
     return (slots >> slot & 1u) != 0 ? std::optional(makeTexture(size, srgb, name + what)) : std::nullopt;
   };
-  std::optional<Texture> color = make(shared::kTextureBaseColor, true, " base colour");
+  std::optional<Texture> color = make(shared::kTextureBaseColor, true, " base color");
   std::optional<Texture> normal = make(shared::kTextureNormal, false, " normal");
   std::optional<Texture> roughness = make(shared::kTextureMetallicRoughness, false, " roughness");
   if (!color && !normal && !roughness) return {};
