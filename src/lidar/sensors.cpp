@@ -73,10 +73,11 @@ Sensor hdl64e() {
            .divergence = {2e-3, 2e-3}}};
 }
 
-// Ouster, "OS1 Datasheet", first generation. Its divergence is the full width at half of the maximum.
+// Ouster, "OS1 Datasheet", first generation. Its divergence is the full width at half of the maximum. Azimuths are the
+// design values of the first generation in the Ouster SDK (beam_azimuth_angles), which also count to the right.
 Sensor os1(const char* name, int lasers, double highest, double divergence) {
   Spinning scanner{.columns = 1024};
-  constexpr double kAzimuths[] = {-3.164, -1.055, 1.055, 3.164};
+  constexpr double kAzimuths[] = {3.164, 1.055, -1.055, -3.164};
   for (int i = 0; i < lasers; ++i) {
     scanner.elevations.push_back(highest - 2 * highest * i / (lasers - 1));
     scanner.azimuths.push_back(kAzimuths[i % 4]);

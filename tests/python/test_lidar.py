@@ -303,6 +303,15 @@ def test_elevations_are_those_of_the_manuals():
     np.testing.assert_allclose(elevations(lidar.os1_128(), 128)[[0, 127]], [22.5, -22.5], atol=1e-9)
 
 
+def test_azimuths_of_ouster_are_those_of_its_sdk():
+    """The SDK's design values of the first generation, beam_azimuth_angles, repeat these from the top. Its lookup table
+    of points has x = cos(h) and y = -sin(h) with h = azimuth + 2 pi column / columns: positive is to the right."""
+    for pattern, lasers in ((lidar.os1_64(), 64), (lidar.os1_128(), 128)):
+        x, y, _ = pattern.directions[:lasers].T
+        right = np.degrees(np.arctan2(-y, x))
+        np.testing.assert_allclose(right, np.tile([3.164, 1.055, -1.055, -3.164], lasers // 4), atol=1e-9)
+
+
 def test_rates_and_rings():
     rates = {"VLP-16": 289_000, "HDL-32E": 694_000, "HDL-64E S2": 1_333_000, "OS1-64": 655_360,
              "OS1-128": 1_310_720, "Livox Mid-40": 100_000}  # fmt: skip
