@@ -297,6 +297,52 @@ TEST_F(CastTest, HitsAlongAxesAndEdges) {
       EXPECT_NEAR(hits.distance[i], expected[i], 4e-7) << i;
 }
 
+// Rays from afar to points of the cube's face x = 1 and next to it. Hits are those of the rays as doubles, whose
+// rounding moves the point by some 1e-16 of the distance. Along a direction of floats, it would be 6e-8 of it.
+TEST_F(CastTest, IsAsPreciseFromFarAway) {
+  scene::Mesh mesh = cubeMesh();
+  for (size_t i = 0; i < mesh.positions.size(); ++i)
+    mesh.attributes[i].uv0 = (glm::vec2(mesh.positions[i].y, mesh.positions[i].z) + 1.0f) * 0.5f;
+  const scene::Scene scene = oneMesh(mesh, false);
+  Renderer renderer(device(), scene, nullptr);
+  for (const double far : {4.0, 1e3, 1e5, 1e8, 1e11})
+    for (const dvec3 direction : {dvec3(-1, 0, 0), glm::normalize(dvec3(-1, 0.3, 0.2))}) {
+      SCOPED_TRACE(testing::Message() << far << " m, y " << direction.y);
+      const double tolerance = 1e-6 + 5e-16 * far;
+      std::vector<dvec3> origins, directions;
+      for (int y = -20; y <= 20; ++y)
+        for (int z = -20; z <= 20; ++z) {
+          origins.push_back(dvec3(1, y * 0.049, z * 0.049) - far * direction);
+          directions.push_back(direction);
+        }
+      const CastHits hits = renderer.cast({origins, directions}, castSettings()).hits;
+      Largest position, uv, normal, distance;
+      for (size_t i = 0; i < origins.size(); ++i) {
+        const double t = (1 - origins[i].x) / direction.x;
+        const dvec2 expected(origins[i].y + t * direction.y, origins[i].z + t * direction.z);
+        position.add(glm::length(dvec3(hits.position[i]) - dvec3(1, expected)));
+        uv.add(glm::length(dvec2(hits.uv[i]) * 2.0 - 1.0 - expected));
+        normal.add(glm::length(hits.geonormal[i] - glm::vec3(1, 0, 0)));
+        distance.add(std::abs(double{hits.distance[i]} / t - 1));
+      }
+      EXPECT_LT(position.value, tolerance);
+      EXPECT_LT(uv.value, 2 * tolerance);
+      EXPECT_EQ(normal.value, 0);
+      EXPECT_LT(distance.value, 1.2e-7);
+      // The maximum distance is still that from the origin, also between two floats.
+      for (const bool reaches : {false, true}) {
+        const double end = far + (reaches ? 0.01 : -0.01);
+        const std::vector<dvec3> one{dvec3(1, 0.2, 0.1) - far * direction}, along{direction};
+        const float found = renderer.cast({one, along, end}, castSettings()).hits.distance[0];
+        EXPECT_EQ(std::isfinite(found), reaches) << end;
+      }
+    }
+  const std::vector<dvec3> origins{dvec3(1e8, 1.0001, 0), dvec3(1e8, 0, -1.0001), dvec3(1e8, 0, 0), dvec3(0, 1e300, 0)};
+  const std::vector<dvec3> directions{dvec3(-1, 0, 0), dvec3(-1, 0, 0), dvec3(1, 0, 0), dvec3(0, -1, 0)};
+  for (const float distance : renderer.cast({origins, directions}, castSettings()).hits.distance)
+    EXPECT_EQ(distance, kInfinity);
+}
+
 TEST_F(CastTest, OddRaysHitNothing) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
   const dvec3 along(0, 0, -1);

@@ -117,6 +117,32 @@ TEST(WorldCast, DistancesToMovedBoxesFromDoubles) {
   expectClosedForms<double>();
 }
 
+// The rays begin 1e9 m above the boxes, in a direction that no floats represent. They are aimed at the same points as
+// those of movedBoxes(), in the plane z = 0.
+TEST(WorldCast, HitsFromFarAway) {
+  const BoxScene made;
+  Renderer renderer(made.scene, testDevice());
+  constexpr double kFar = 1e9, kSlope = 0.1, kAlong = 0.99503719020998915;  // 1 / sqrt(1 + kSlope^2)
+  std::vector<double> origins, directions;
+  for (uint32_t world = 0; world < 5; ++world)
+    for (const double x : {0.0, 0.5, 1.5, 30.0}) {
+      for (const double value : {x, 0.25 - kSlope * kAlong * kFar, kAlong * kFar}) origins.push_back(value);
+      for (const double value : {0.0, kSlope * kAlong, -kAlong}) directions.push_back(value);
+    }
+  auto arrays = renderer.cast(movedBoxes(made.box), {numbersIn(origins), numbersIn(directions), 4}, {"position"});
+  const auto positions = valuesIn<float>(arrays["position"]);
+  const float front[5][4] = {{1, 1, 0, 0}, {4.5f, 4.5f, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
+  const bool hits[5][4] = {{true, true, false, false}, {true, true, false, false}, {true, true, true, false}, {}, {}};
+  for (size_t ray = 0; ray < 20; ++ray) {
+    SCOPED_TRACE(ray);
+    const float z = front[ray / 4][ray % 4], x = static_cast<float>(origins[3 * ray]);
+    const float y = 0.25f - static_cast<float>(kSlope) * z;
+    EXPECT_NEAR(positions[3 * ray], hits[ray / 4][ray % 4] ? x : 0, 1e-6);
+    EXPECT_NEAR(positions[3 * ray + 1], hits[ray / 4][ray % 4] ? y : 0, 1e-6);
+    EXPECT_NEAR(positions[3 * ray + 2], z, 1e-6);
+  }
+}
+
 // Worlds move the vertices of the box: by 3 m along Z, and to twice its width. The second call swaps them.
 TEST(WorldCast, DistancesToMovedVertices) {
   const BoxScene made;

@@ -2,8 +2,10 @@
 #extension GL_GOOGLE_include_directive : require
 // Casts rays, through the scene or its worlds, and writes the surface that each hits first. Rays are doubles, or
 // floats, in the frame of the caller; they are converted to pairs of floats in the device's world space here, so the
-// host only copies them. The hit's distance is computed again in double-float arithmetic, from the ray's exact
-// direction and the triangle's exact plane, so that it is precise on large triangles and at grazing angles.
+// host only copies them. Rays that begin far outside the scene are traced from a point near it: along a direction of
+// floats, they would pass the surface at a distance that grows with that of the origin. The hit's distance is computed
+// again in double-float arithmetic, from the ray's exact direction and the triangle's exact plane, so that it is
+// precise on large triangles and at grazing angles.
 #define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/glsl/ray_point.glsl"
@@ -95,16 +97,30 @@ void store(uint64_t array, uint index, uint value) {
   if (array != 0ul) UintsOutRef(array).v[index] = value;
 }
 
-// Stores what the ray hits, in the frame of the rays. The position follows from the ray in double precision, so it is
-// as precise as the distance.
-void storeHit(FrameConstants frame, uint index, Ray ray, vec3 directionLow, RayHit hit, dvec3 origin, dvec3 unit) {
+// Returns a distance from the origin within which no ray can hit the scene; 0 for origins near or in the scene. The
+// ray from there on is no longer than two diagonals of the scene's bounds.
+double emptyDistance(FrameConstants frame, dvec3 origin) {
+  RayScene scene = loadRayScene(frame.rayScene);
+  if (scene.instanceCount == 0u) return 0.0lf;
+  RayNode root = loadRayNode(scene.nodes);
+  bool both = root.b != kRayNone;
+  dvec3 low = dvec3(both ? min(root.lowA, root.lowB) : root.lowA);
+  dvec3 high = dvec3(both ? max(root.highA, root.highB) : root.highA);
+  double toBounds = length(max(max(low - origin, origin - high), dvec3(0.0lf))), diagonal = length(high - low);
+  return toBounds > diagonal ? toBounds - diagonal : 0.0lf;
+}
+
+// Stores what the ray hits, in the frame of the rays. `skipped`: the distance from `origin` to that of `ray`. The
+// position follows from the ray in double precision, so it is as precise as the distance.
+void storeHit(FrameConstants frame, uint index, Ray ray, vec3 directionLow, RayHit hit, dvec3 origin, dvec3 unit,
+              double skipped) {
   SurfacePoint p = rayPoint(frame, ray, hit);
   uint material = frameInstance(frame, hit.instance).material;
   fetchTexels(frame, material, p, ~0u);
   Surface s = evaluateMaterial(frame, frameMaterial(frame, material), p);
-  float distance = max(exactDistance(frame, ray, directionLow, hit), 0.0);
-  precise dvec3 position = (origin - doublesAt(push.numbers, 1u)) + unit * double(distance);
-  store(push.distance, index, distance);
+  double distance = skipped + double(max(exactDistance(frame, ray, directionLow, hit), 0.0));
+  precise dvec3 position = (origin - doublesAt(push.numbers, 1u)) + unit * distance;
+  store(push.distance, index, float(distance));
   store(push.position, index, vec3(position));
   store(push.normal, index, toFrame(s.normal));
   store(push.geonormal, index, toFrame(s.geonormal));
@@ -142,10 +158,12 @@ void main() {
   precise dvec3 from = toWorld(origin) - doublesAt(push.numbers, 0u);
   dvec3 along = toWorld(unit);
   bool valid = isFinite(from) && isFinite(along);
+  double skipped = valid ? emptyDistance(frame, from) : 0.0lf;
+  precise dvec3 start = from + along * skipped;
   const double kLargest = 3.4028234663852886e38lf;
-  float far = float(min(DoublesRef(push.numbers).v[6], kLargest));
-  Ray ray = Ray(vec3(from), remainderOf(from), vec3(along), valid ? 0.0 : 1.0, valid ? far : 0.0);
+  float far = float(min(DoublesRef(push.numbers).v[6] - skipped, kLargest));
+  Ray ray = Ray(vec3(start), remainderOf(start), vec3(along), valid ? 0.0 : 1.0, valid ? far : 0.0);
   RayHit hit = traceRay(frame, ray, push.flags & kRayAnySurface);
-  if (isHit(hit)) storeHit(frame, index, ray, remainderOf(along), hit, origin, unit);
+  if (isHit(hit)) storeHit(frame, index, ray, remainderOf(along), hit, origin, unit, skipped);
   else storeMiss(index);
 }
