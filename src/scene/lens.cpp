@@ -395,7 +395,9 @@ std::optional<dvec3> LensProjection::unproject(dvec2 pixel) const {
     case LensModel::FTheta: {
       const double r = glm::length(p), theta = anglePolynomial(lens_, r);
       if (!(r <= most_) || !(theta >= 0) || theta > kPi) return std::nullopt;
-      return dvec3(r > 0 ? p * (std::sin(theta) / r) : dvec2(0), std::cos(theta));
+      // With k0 above 0 the principal point sees a cone. As in NVIDIA's implementations, its ray is the axis.
+      if (r == 0) return dvec3(0, 0, 1);
+      return dvec3(p * (std::sin(theta) / r), std::cos(theta));
     }
     case LensModel::Equirectangular: {
       const double longitude = (pixel.x / lens_.width - 0.5) * 2 * kPi, down = (pixel.y / lens_.height - 0.5) * kPi;

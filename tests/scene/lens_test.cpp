@@ -269,6 +269,21 @@ TEST(LensTest, FThetaIsAPolynomialOfTheDistance) {
   EXPECT_FALSE(turning.project(direction(1 + 1e-6, 1)));
 }
 
+// With k0 above 0, the principal point would see a cone of angle k0; its ray is the axis. With k0 = -0.2 and k1 = 0.1,
+// angles are negative up to r = 2: there are no rays.
+TEST(LensTest, FThetaHasUnitRaysAtThePrincipalPoint) {
+  Lens lens{.model = LensModel::FTheta, .width = 33, .height = 33, .fx = 1, .fy = 1, .cx = 16.5, .cy = 16.5};
+  lens.distortion = {0.3, 0.02};
+  const LensProjection cone(lens);
+  EXPECT_EQ(cone.unproject({16.5, 16.5}), dvec3(0, 0, 1));
+  EXPECT_LT(glm::length(*cone.unproject({17.5, 16.5}) - dvec3(std::sin(0.32), 0, std::cos(0.32))), 1e-15);
+  lens.distortion = {-0.2, 0.1};
+  const LensProjection hole(lens);
+  EXPECT_FALSE(hole.unproject({16.5, 16.5}));
+  EXPECT_FALSE(hole.unproject({16.5, 18.49}));
+  EXPECT_LT(glm::length(*hole.unproject({16.5, 19.5}) - dvec3(0, std::sin(0.1), std::cos(0.1))), 1e-15);
+}
+
 TEST(LensTest, WhatAUserWrites) {
   const Lens lens = parseLens("--lens", "opencv:400,410,330,235,-0.28,0.07,1e-3,-8e-4,-0.005", 640, 480);
   EXPECT_EQ(lens, (Lens{LensModel::OpenCv, 640, 480, 400, 410, 330, 235, {-0.28, 0.07, 1e-3, -8e-4, -0.005}}));
