@@ -815,9 +815,10 @@ struct SpinningLidar {
 LATELIGHT_API LidarPattern lidarPattern(const SpinningLidar& sensor);
 
 struct LidarOptions {
-  uint32_t samples = 1;               // rays per beam, up to 1024; 1: beams have no width
-  std::string returns = "strongest";  // strongest, first, last, dual (the strongest and the last) or all
-  std::optional<uint64_t> seed = 0;   // of the noise of ranges and signals; null: no noise
+  uint32_t samples = 1;  // rays per beam, up to 1024; 1: beams have no width
+  // strongest, first, last, all, or dual: the strongest and the last, or the two strongest if these are the same
+  std::string returns = "strongest";
+  std::optional<uint64_t> seed = 0;  // of the noise of ranges and signals; null: no noise
   // Number of equal parts of the period. Each shows an animated scene at the time of its middle, and so do parts of the
   // same length before and after it. 1: all firings show the scene at Options::time.
   uint32_t slices = 1;

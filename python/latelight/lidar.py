@@ -232,7 +232,8 @@ def scan(
     each firing has a pose of its own
     start: seconds on the trajectory at which the scan begins
     samples: rays per beam. With more than one, beams have the pattern's divergence, and edges may return two echoes
-    returns: "strongest", "first" or "last" echo of each firing, "dual" (the strongest and the last) or "all"
+    returns: "strongest", "first" or "last" echo of each firing, "all", or "dual": the strongest and the last, or the
+    two strongest if these are the same
     seed: of the noise of ranges and signals; None: no noise, and echoes are detected if their signal reaches the
     threshold
     slices: number of equal parts of the pattern's period, each of which shows an animated scene at the time of its
