@@ -109,6 +109,10 @@ def measure(sensor: DepthSensor, depth: npt.ArrayLike, incidence: npt.ArrayLike,
     z, angle = _core.numbers_of(depth, "depth"), _core.numbers_of(incidence, "incidence")
     if z.ndim != 2 or angle.shape != z.shape:
         raise UsageError(f"depth and incidence must have the same shape (H, W), not {z.shape} and {angle.shape}")
+    slack = 1e-6  # the rounding of pi/2 to float32
+    wrong = np.isfinite(z) & (z > 0) & ((angle < -slack) | (angle > np.pi / 2 + slack))
+    if wrong.any():
+        raise UsageError(f"incidence must be from 0 to pi/2 radians, or NaN, not {angle[wrong][0]:g}")
     focal = _core.number_of(focal, "focal")
     if not (focal > 0 and math.isfinite(focal)):
         raise UsageError(f"focal must be a number of pixels above 0, not {focal}")

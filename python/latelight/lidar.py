@@ -255,5 +255,8 @@ def scan(
         pattern = replace(pattern, max_range=limit)
     # Arrays of JAX have a property "at", too.
     poses = pose if callable(getattr(pose, "at", None)) else Motion(checked_poses(pose))  # type: ignore[arg-type]
-    frames = poses.at(_core.number_of(start, "start") + pattern.times)  # type: ignore[union-attr]
+    begin = _core.number_of(start, "start")
+    if not math.isfinite(begin):
+        raise UsageError(f"start must be a finite number of seconds, not {begin:g}")
+    frames = poses.at(begin + pattern.times)  # type: ignore[union-attr]
     return Scan(**_core.scan_lidar(renderer, pattern, frames, samples, returns, seed, slices, **options))

@@ -137,6 +137,9 @@ def sensor_pose(position: Sequence[float], forward: Sequence[float], up: Sequenc
     x, z, origin = _core.numbers_of(forward, "forward"), _core.numbers_of(up, "up"), _core.numbers_of(position, "position")
     if x.shape != (3,) or z.shape != (3,) or origin.shape != (3,):
         raise UsageError("position, forward and up must be three numbers each")
+    for name, vector in (("position", origin), ("forward", x), ("up", z)):
+        if not np.isfinite(vector).all():
+            raise UsageError(f"{name} must be three finite numbers, not {vector.tolist()}")
     y = np.cross(z, x)
     if not np.isfinite(y).all() or np.linalg.norm(y) < 1e-9 * np.linalg.norm(x) * np.linalg.norm(z) or not x.any():
         raise UsageError("forward and up must be different directions")

@@ -92,8 +92,12 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
     badUsage("the camera's aspect must be a number above 0, not {}", *camera.aspect);
   if (!std::isfinite(camera.principalX) || !std::isfinite(camera.principalY))
     badUsage("the camera's principal point has a value that is not a number");
-  if (!(camera.farClip > camera.nearClip) || (!camera.orthographic && !(camera.nearClip > 0)))
-    badUsage("the camera's near plane must be in front of its far plane");
+  if (!camera.orthographic && !(camera.nearClip > 0 && camera.farClip > 0))
+    badUsage("a perspective camera's near and far planes must be above 0 meters, not {} and {}", camera.nearClip,
+             camera.farClip);
+  if (!(camera.farClip > camera.nearClip))
+    badUsage("the camera's near plane must be in front of its far plane, not at {} and {} meters", camera.nearClip,
+             camera.farClip);
   scene::Camera c;
   c.name = camera.name;
   c.toWorld = render::toWorldFromOpenCv(pose, scene);

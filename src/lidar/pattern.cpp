@@ -55,6 +55,7 @@ void addFirings(const Spinning& s, const Sensor& sensor, double /*start*/, Patte
 void addFirings(const Rosette& r, const Sensor& /*sensor*/, double start, Pattern& pattern) {
   if (!(r.cone > 0 && r.cone < 180) || !(r.pointRate > 0))
     badUsage("a rosette needs a cone between 0 and 180 degrees and a point rate above 0");
+  if (!std::isfinite(start)) badUsage("start must be a finite number of seconds, not {}", start);
   const double points = std::max(1.0, std::round(pattern.period * r.pointRate));
   if (points > double(kMaxFirings)) badUsage("a scan has at most {} firings, not {}", kMaxFirings, points);
   const double deflection = r.cone / 4 * (exact::kPi / 180);  // of each prism

@@ -307,7 +307,7 @@ void checkLens(const Lens& lens, uint32_t width, uint32_t height) {
                info.coefficients == 0 ? "no" : std::to_string(info.coefficients), i + 1, lens.distortion[i]);
   if (!info.calibrated) return;
   if (!(lens.width > 0 && lens.height > 0 && std::isfinite(lens.width) && std::isfinite(lens.height)))
-    badUsage("a {} lens needs the image size of its calibration", info.name);
+    badUsage("a lens of the model {} needs the image size of its calibration", info.name);
   const auto focal = [](double f) { return std::isfinite(f) && f > 0; };
   if (!focal(lens.fx) || !focal(lens.fy))
     badUsage("a lens's focal lengths must be above 0, not {:g} and {:g}", lens.fx, lens.fy);

@@ -68,8 +68,8 @@ TEST(TransformsTest, ReadsAnglesOfView) {
 
 TEST(TransformsTest, RefusesWhatNoLensHolds) {
   const Folder folder;
-  const auto reads = [&](const std::string& keys) {
-    folder.write("t.json", R"({"w": 4, "h": 4, "fl_x": 4, )" + keys +
+  const auto reads = [&](const std::string& keys, const std::string& focal = R"("fl_x": 4, )") {
+    folder.write("t.json", R"({"w": 4, "h": 4, )" + focal + keys +
                                R"(, "frames": [{"transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
     return sentenceOf([&] { readTransforms(folder.at("t.json")); }, ExitCode::BadInput);
   };
@@ -77,6 +77,8 @@ TEST(TransformsTest, RefusesWhatNoLensHolds) {
   EXPECT_THAT(reads(R"("camera_model": "ORTHOPHOTO")"), testing::HasSubstr("ORTHOPHOTO"));
   EXPECT_THAT(reads(R"("fl_y": -2)"), testing::HasSubstr("focal length of -2"));
   EXPECT_THAT(reads(R"("cx": "middle")"), testing::HasSubstr("\"cx\" must be a finite number"));
+  EXPECT_THAT(reads(R"("fl_x": 0)", ""), testing::HasSubstr("focal length of 0"));
+  EXPECT_THAT(reads(R"("cx": 2)", ""), testing::HasSubstr("neither \"fl_x\" nor \"camera_angle_x\""));
 }
 
 TEST(TransformsTest, ReadsExposures) {

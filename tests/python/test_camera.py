@@ -173,6 +173,25 @@ def test_surplus_distortion_coefficients_are_refused_when_they_are_rendered(rend
         renderer.render(latelight.Camera(lens=lens), SIZE)
 
 
+def test_lenses_need_the_size_of_their_calibration(renderer):
+    lens = latelight.Lens(model="opencv", width=0, height=48, fx=30, fy=30, cx=32, cy=24)
+    with pytest.raises(latelight.UsageError, match="a lens of the model opencv needs the image size of its calibration"):
+        renderer.render(latelight.Camera(lens=lens), SIZE)
+
+
+@pytest.mark.parametrize(
+    "near, far, words",
+    [
+        (0, 10, "a perspective camera's near and far planes must be above 0 meters, not 0 and 10"),
+        (0.1, 0, "a perspective camera's near and far planes must be above 0 meters, not 0.1 and 0"),
+        (5, 3, "near plane must be in front of its far plane, not at 5 and 3 meters"),
+    ],
+)
+def test_clip_planes_that_are_refused(renderer, near, far, words):
+    with pytest.raises(latelight.UsageError, match=words):
+        renderer.render(latelight.Camera(near_clip=near, far_clip=far), SIZE)
+
+
 def test_pictures_of_any_shape_show_the_whole_frame(renderer):
     camera = latelight.Camera.look_at((4, -5, 3), (0, 0, 0), up=(0, 0, 1), vertical_fov=50)
     camera.aspect = 2

@@ -195,6 +195,13 @@ def test_wrong_arguments(renderer):
         refused("focal", lambda: depth_sensor.measure(kinect, np.ones((4, 4)), np.ones((4, 4)), focal))
     refused("depth must be", lambda: depth_sensor.measure(kinect, "x", np.ones((4, 4)), 500.0))
     refused("incidence must be", lambda: depth_sensor.measure(kinect, np.ones((4, 4)), [[1], [2, 3]], 500.0))
+    for angle in (-0.5, 2.0, math.inf):
+        refused(
+            f"incidence must be from 0 to pi/2 radians, or NaN, not {angle:g}",
+            lambda: depth_sensor.measure(kinect, np.ones((4, 4)), np.full((4, 4), angle), 500.0),
+        )
+    right = np.full((4, 4), np.pi / 2, np.float32)  # above pi/2 in double precision
+    assert not depth_sensor.measure(kinect, np.ones((4, 4)), right, 500.0, None).any()
     for value, kind in ((None, "NoneType"), ("kinect", "str"), ([latelight.Camera()], "list")):
         for name, call in (
             ("renderer must be a Renderer", lambda: depth_sensor.capture(value, latelight.Camera(), (8, 8), kinect)),

@@ -514,6 +514,13 @@ def test_wrong_arguments(renderer, tmp_path, scanned):
     refused("known from 0 to 0.01 s", lambda: lidar.scan(
         renderer, lidar.vlp16(), lidar.Trajectory([0, 0.01], [POSE, POSE])))  # fmt: skip
     refused("different directions", lambda: lidar.sensor_pose((0, 0, 0), (0, 1, 0)))
+    for wrong in (math.nan, math.inf):
+        vector = (0, 0, wrong)
+        refused("position must be three finite numbers", lambda: lidar.sensor_pose(vector, (0, 0, -1)))
+        refused("forward must be three finite numbers", lambda: lidar.sensor_pose((0, 0, 0), vector))
+        refused("up must be three finite numbers", lambda: lidar.sensor_pose((0, 0, 0), (0, 0, -1), vector))
+        refused(f"start must be a finite number.*not {wrong}$", lambda: lidar.scan(renderer, pattern, POSE, start=wrong))
+        refused(f"start must be a finite number.*not {wrong}$", lambda: lidar.livox_mid40(0.1, wrong))
     refused('written as .ply, .pcd, .bin, .npz, not ".las"', lambda: scanned.write(tmp_path / "a.las"))
     refused("no extension: points are written as .ply, .pcd, .bin, .npz$", lambda: scanned.write(tmp_path / "a"))
     refused("No such file", lambda: scanned.write(tmp_path / "none" / "a.ply"))

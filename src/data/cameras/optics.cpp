@@ -115,8 +115,12 @@ namespace {
 
 Optics readProjection(Spec& spec, PictureSize job) {
   const LensModel model = readModel(spec);
-  if (!spec.has("K") && model == LensModel::Pinhole) return opticsOfFov(spec);
   Lens lens{.model = model};
+  if (!spec.has("K") && model == LensModel::Pinhole) {
+    readDistortion(spec, lens);  // reports the missing model
+    if (spec.has("pixelCenter")) badUsage("{} needs \"K\"", spec.pathOf("pixelCenter"));
+    return opticsOfFov(spec);
+  }
   if (spec.has("fov")) badUsage("{} requires the model pinhole without K", spec.pathOf("fov"));
   const bool calibrated = scene::infoOf(model).calibrated;
   const PictureSize size = readSize(spec, calibrated ? job : PictureSize{});

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -77,6 +78,9 @@ Lens lensIn(const Json& source, PictureSize size, const std::string& where) {
   if (lens.model != LensModel::Equirectangular) {
     lens.fx = focalIn(source, "fl_x", "camera_angle_x", lens.width, where);
     lens.fy = focalIn(source, "fl_y", "camera_angle_y", lens.height, where);
+    constexpr const char* kKeys[] = {"fl_x", "fl_y", "camera_angle_x", "camera_angle_y"};
+    if (std::ranges::none_of(kKeys, [&](const char* key) { return source.contains(key); }))
+      badInput("{} has neither \"fl_x\" nor \"camera_angle_x\": give one of them", where);
     if (lens.fx == 0) lens.fx = lens.fy;
     if (lens.fy == 0) lens.fy = lens.fx;
     lens.cx = numberIn(source, "cx", lens.width / 2, where), lens.cy = numberIn(source, "cy", lens.height / 2, where);
