@@ -731,7 +731,8 @@ struct Keypoint {
 };
 
 struct KeypointLabel {
-  std::array<double, 3> position{};  // in the frame of Options::axes, meters
+  std::array<double, 3> position{};  // in the frame of Options::axes, meters; NaN in a world with a value that is not
+                                     // finite
   std::array<double, 2> pixel{};     // NaN if the camera does not project it; it may lie outside the picture
   double depth = 0;                  // as the output "depth"; NaN likewise
   uint32_t visibility = 0;           // COCO's: 0 outside the picture or the planes, 1 occluded, 2 visible

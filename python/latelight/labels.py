@@ -151,7 +151,8 @@ class WorldLabels:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class WorldKeypoints:
-    """K keypoints in N worlds with C cameras each, as Renderer.keypoints_of_worlds() returns them."""
+    """K keypoints in N worlds with C cameras each, as Renderer.keypoints_of_worlds() returns them. In a world with
+    values that are not finite, the visibility is 0, and all other values are NaN."""
 
     names: list[str]
     positions: npt.NDArray[np.float64]

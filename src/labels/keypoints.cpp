@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -67,6 +68,11 @@ bool isPosedInCopy(const scene::Scene& scene, const Instances& copy, uint32_t no
          isPosedInCopy(scene, copy, static_cast<uint32_t>(parent));
 }
 
+// Returns true for a world with values that are not finite. It has no instances, and default values in their place.
+bool isEmptyWorld(const render::WorldStates& worlds, uint32_t world) {
+  return !worlds.empty.empty() && worlds.empty[world] != 0;
+}
+
 // The transforms of nodes in the world. Edits and worlds place instances, not their nodes, so a node follows the
 // instances that it moves with.
 class NodeTransforms {
@@ -81,8 +87,7 @@ class NodeTransforms {
     else if (std::ranges::any_of(scene.instances, isPlaced))
       toWorld_ = scene::instanceTransforms(scene, instancePose_);
     if (!toWorld_.empty()) findCompanions();
-    const bool isEmpty = !worlds.empty.empty() && worlds.empty[world] != 0;
-    if (worlds.count > 0 && !worlds.deformations.joints.empty() && !isEmpty)
+    if (worlds.count > 0 && !worlds.deformations.joints.empty() && !isEmptyWorld(worlds, world))
       pose_ = worlds.deformations.poseIn(world, scene, pose_);
   }
   // `skinned`: instances that the node is a joint of. The node follows its own instances, or those that it is a joint
@@ -188,6 +193,14 @@ struct Projections {
     all.push_back(keypoint);
   }
 };
+
+// Returns keypoints without a position.
+Projections unplaced(size_t count) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  return {std::vector<ProjectedKeypoint>(count,
+                                         {.position = glm::dvec3(kNone), .pixel = glm::dvec2(kNone), .depth = kNone}),
+          {}};
+}
 
 // The image of a camera at an instant.
 class KeypointView {
@@ -416,7 +429,8 @@ std::vector<std::vector<ProjectedKeypoint>> projectKeypointsOfWorlds(
   std::vector<Projections> projected;
   std::vector<SightLine> lines;
   for (const scene::Camera& camera : cameras) {
-    const Projections& each = projected.emplace_back(projector.project(camera, moment));
+    const Projections& each = projected.emplace_back(
+        isEmptyWorld(moment.worlds, camera.world) ? unplaced(keypoints.size()) : projector.project(camera, moment));
     for (const size_t i : each.inside) lines.push_back({&camera, each.all[i].position});
   }
   const std::vector<Sight> sights = sightsOfWorlds(renderer, scene, lines, settings, moment, kPointSlack);

@@ -30,7 +30,7 @@ enum class KeypointVisibility : uint8_t {
 
 // With a rolling shutter, all values are those of the time at which the keypoint's row is exposed.
 struct ProjectedKeypoint {
-  glm::dvec3 position{0};  // in the frame of the settings' axes, meters
+  glm::dvec3 position{0};  // in the frame of the settings' axes, meters; NaN in a world with values that are not finite
   glm::dvec2 pixel{0};     // NaN if the camera does not project it; it may lie outside the image
   double depth = 0;        // as the output `depth`; NaN if the camera does not project it
   KeypointVisibility visibility = KeypointVisibility::Outside;
@@ -42,7 +42,7 @@ std::vector<ProjectedKeypoint> projectKeypoints(render::Renderer& renderer, cons
                                                 const render::SceneState& moment, std::span<const Keypoint> keypoints);
 
 // The same for cameras that show the worlds of `moment`, which has lists and not arrays for shaders. Returns one list
-// per camera.
+// per camera. In a world with values that are not finite, all numbers are NaN, and the visibility is Outside.
 std::vector<std::vector<ProjectedKeypoint>> projectKeypointsOfWorlds(
     render::Renderer& renderer, const scene::Scene& scene, std::span<const scene::Camera> cameras,
     const render::Settings& settings, const render::SceneState& moment, std::span<const Keypoint> keypoints);

@@ -335,6 +335,31 @@ def test_labels_of_worlds(cards):
     assert gone.nodes == ["/back"] and gone.visible_share.tolist() == [[[1.0]]]
 
 
+@pytest.mark.parametrize("argument", ["transforms", "metallic", "camera_to_world", "k", "environment_rotation"])
+def test_worlds_that_are_not_finite_have_no_keypoints(cards, argument):
+    scene, renderer = cards
+    handles, camera = scene.instances(), front()
+    values = {
+        "transforms": np.stack([[scene.instance(handle).transform for handle in handles]] * 3),
+        "metallic": np.zeros((3, len(handles))),
+        "camera_to_world": np.stack([[camera.camera_to_world]] * 3),
+        "k": np.tile([[20.0, 0, 32], [0, 20, 32], [0, 0, 1]], (3, 1, 1, 1)),
+        "environment_rotation": np.zeros(3),
+    }[argument]
+    given = {argument: values, **({"instances": handles} if argument in ("transforms", "metallic") else {})}
+    lens = latelight.Camera(camera_to_world=camera.camera_to_world) if argument == "k" else camera
+    points = ["/front", "/back"]
+    expected = renderer.keypoints_of_worlds(3, lens, points, (64, 64), **given)
+    assert (expected.visibility > 0).all()
+    values.reshape(3, -1)[1, 0] = np.nan
+    keypoints = renderer.keypoints_of_worlds(3, lens, points, (64, 64), **given)
+    assert not keypoints.visibility[1].any()
+    for name in ("positions", "pixels", "depth", "visibility"):
+        here = getattr(keypoints, name)
+        np.testing.assert_array_equal(here[::2], getattr(expected, name)[::2])
+        assert name == "visibility" or np.isnan(here[1]).all(), name
+
+
 def test_worlds_correspond_as_animations_do(device):
     """Against correspond() of a scene whose animation moves in the same way."""
     corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
