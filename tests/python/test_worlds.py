@@ -185,6 +185,17 @@ def test_nan_spoils_only_its_world(scene, worlds_renderer, camera):
     assert frames[0][0]["id"].any()
 
 
+@pytest.mark.parametrize("raster", ["compute", "hardware", "rays"])
+@pytest.mark.parametrize("name", ["environment_rotation", "environment_intensity"])
+def test_environments_of_worlds_are_finite_as_floats(worlds_renderer, camera, raster, name):
+    expected = worlds_renderer.render_worlds(3, camera, SIZE, "id", raster=raster)["id"]
+    for wrong in (np.nan, -np.inf, 1e39, -1e300):
+        frames = worlds_renderer.render_worlds(3, camera, SIZE, "id", raster=raster, **{name: [0, wrong, 0]})
+        assert frames.invalid_worlds == (1,), wrong
+        assert not frames["id"][1].any()
+        np.testing.assert_array_equal(frames["id"][::2], expected[::2])
+
+
 @pytest.mark.parametrize("raster", ["hardware", "compute"])
 def test_materials_that_an_edit_makes_translucent(square, camera, raster):
     scene = latelight.Scene()

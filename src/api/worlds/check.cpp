@@ -198,7 +198,7 @@ void Scene::Impl::WorldConverter::findInvalid(bool onDevice) {
   for (size_t i = 0; i < from.lightValues.size(); ++i)
     if (!isFinite(from.lightValues[i])) invalid[i / from.lights.size()] = 1;
   for (size_t world = 0; world < from.environmentRotation.size(); ++world)
-    if (!std::isfinite(from.environmentRotation[world])) invalid[world] = 1;
+    if (!areFinite({&from.environmentRotation[world], 1})) invalid[world] = 1;
   for (size_t world = 0; world < from.environmentIntensity.size(); ++world)
     if (!std::isfinite(from.environmentIntensity[world])) invalid[world] = 1;
   for (size_t i = 0; !onDevice && i < from.intrinsics.size(); ++i)
