@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib
 import math
 import os
+import weakref
 from collections.abc import Sequence
 from typing import Any
 
@@ -18,6 +20,38 @@ from .errors import ArgumentTypeError, InputError, UsageError
 
 INFINITE_PLANE = 100.0  # half the side of a plane that is infinite in MuJoCo, in extents of the model
 
+# The fields of a model that the conversion reads, except positions and the model's statistics, which depend on them:
+# worlds have positions of their own.
+GEOM_FIELDS = ("type", "size", "dataid", "matid", "rgba")
+OTHER_FIELDS = (
+    *(f"mesh_{name}" for name in (
+        "vert", "vertadr", "vertnum", "normal", "normaladr", "normalnum", "texcoord", "texcoordadr", "texcoordnum", "face",
+        "faceadr", "facenum", "facenormal", "facetexcoord")),
+    *(f"hfield_{name}" for name in ("nrow", "ncol", "adr", "data", "size")),
+    *(f"mat_{name}" for name in (
+        "rgba", "texid", "texuniform", "texrepeat", "metallic", "roughness", "shininess", "specular", "emission")),
+    *(f"tex_{name}" for name in ("type", "width", "height", "nchannel", "adr", "data")),
+    *(f"cam_{name}" for name in ("fovy", "resolution", "sensorsize", "intrinsic", "projection", "orthographic")),
+    *(f"light_{name}" for name in (
+        "type", "active", "cutoff", "exponent", "diffuse", "attenuation", "castshadow", "mode", "bodyid")),
+)
+
+
+def _digest(values: Any) -> bytes:
+    array = np.asarray(values)
+    return hashlib.blake2b(str(array.shape).encode() + array.tobytes(), digest_size=16).digest()
+
+
+def _digests(model: Any, groups: Sequence[int], moving_lights: Sequence[int]) -> dict[str, bytes]:
+    """A digest of each field of a model that the conversion reads, by its name. Versions of MuJoCo differ in fields."""
+    is_shown = np.isin(model.geom_group, list(groups))
+    stays = np.isin(np.arange(model.nlight), list(moving_lights), invert=True)
+    values = {"geom_group": is_shown}
+    values |= {f"geom_{name}": getattr(model, f"geom_{name}")[is_shown] for name in GEOM_FIELDS}
+    values |= {f"light_{name}": getattr(model, f"light_{name}")[stays] for name in ("pos", "dir")}
+    values |= {name: getattr(model, name) for name in OTHER_FIELDS if hasattr(model, name)}
+    return {name: _digest(value) for name, value in values.items()}
+
 
 class MujocoScene:
     """A scene made of a MuJoCo model.
@@ -30,8 +64,11 @@ class MujocoScene:
     def __init__(self, scene: Scene, geoms: Sequence[int], instances: Sequence[InstanceHandle],
                  cameras: Sequence[Camera], lights: Sequence[LightHandle], geom_count: int | None = None,
                  light_ids: Sequence[int] = (), moving_lights: Sequence[int] = (),
-                 light_count: int | None = None) -> None:
+                 light_count: int | None = None, model: Any = None, groups: Sequence[int] = ()) -> None:
         self.scene = scene
+        self._groups = list(groups)  # of geoms that are shown
+        self._digests = None if model is None else _digests(model, groups, moving_lights)  # None: not known
+        self._equal_models: weakref.WeakSet[Any] = weakref.WeakSet() if model is None else weakref.WeakSet([model])
         self._geom_count, self._light_count = geom_count, light_count  # of the model; None: not known
         self._moving_lights = list(moving_lights)  # ids
         self.light_ids = np.asarray(light_ids, np.int64)
@@ -48,7 +85,8 @@ class MujocoScene:
         """The arguments of render_worlds() that describe worlds: `instances`, `transforms`, `camera_to_world`, and if
         lights move, `lights`, `light_position` and `light_direction`.
 
-        data: an MjData, or a list with one per world; or
+        data: an MjData, or a list with one per world, of the scene's model or of equal ones, which are compared when
+        their data is passed for the first time; or
         geom_xpos, geom_xmat, cam_xpos, cam_xmat: arrays (N, ngeom, 3), (N, ngeom, 9) or (N, ngeom, 3, 3), and the same
         of cameras: NumPy's, or those of torch, JAX or CuPy on a GPU, which stay there (MJX, mujoco_warp)
         light_xpos, light_xdir: likewise arrays (N, nlight, 3)
@@ -59,6 +97,7 @@ class MujocoScene:
         For example: renderer.render_worlds(N, robot.cameras, (64, 64), **robot.worlds(all_data))"""
         if data is not None:
             each = _list_of_data(data)
+            self._require_equal_models(each)
             geom_xpos, geom_xmat = (_stacked(each, name) for name in ("geom_xpos", "geom_xmat"))
             if len(self.cameras) > 0:
                 cam_xpos, cam_xmat = (_stacked(each, name) for name in ("cam_xpos", "cam_xmat"))
@@ -86,6 +125,23 @@ class MujocoScene:
             arguments["light_position"] = _vectors(light_xpos, "light_xpos", list(moving), self._light_count)
             arguments["light_direction"] = _vectors(light_xdir, "light_xdir", list(moving), self._light_count)
         return arguments
+
+    def _require_equal_models(self, each: Sequence[Any]) -> None:
+        """Raises UsageError if the scene does not show what the model of a world's data shows. Models may differ in
+        physics, and in positions, which the data has."""
+        for world, data in enumerate(each):
+            model = getattr(data, "model", None)  # the data of other packages has none
+            if model is None or self._digests is None or model in self._equal_models:
+                continue
+            if model.ngeom != self._geom_count or model.nlight != self._light_count:
+                raise UsageError(f"data must be of one model, the scene's, and that of world {world} has other geoms or "
+                                 "lights: convert each model, and render its worlds in a call of their own")
+            digests = _digests(model, self._groups, self._moving_lights)
+            different = [name for name, digest in self._digests.items() if digests[name] != digest]
+            if different:
+                raise UsageError(f"data must be of one model, the scene's, and that of world {world} differs in "
+                                 f"{', '.join(different)}: convert each model, and render its worlds in a call of their own")
+            self._equal_models.add(model)
 
     def _lights_of(self, ids: Sequence[int] | None) -> dict[int, LightHandle]:
         """The lights that move, by their ids."""
@@ -262,7 +318,8 @@ class _Mujoco(Builder):
         lights = self.add_lights()
         moving = [light for light in lights if self.moves(light)]
         return MujocoScene(self.scene, geoms, instances, cameras, list(lights.values()), model.ngeom,
-                           light_ids=list(lights), moving_lights=moving, light_count=model.nlight)
+                           light_ids=list(lights), moving_lights=moving, light_count=model.nlight, model=model,
+                           groups=sorted(self.groups))
 
     # --- geometry ---
 

@@ -61,6 +61,12 @@ def _indices(cameras: Sequence[Camera], of: Sequence[Camera]) -> list[int] | Non
     return found if len(found) == len(cameras) else None
 
 
+def _reject_repeated(worlds: Mapping[str, Any], options: Mapping[str, Any], source: str) -> None:
+    for name in options:
+        if name in worlds:
+            raise UsageError(f"{source} defines {name}: omit the option")
+
+
 def add_pixels(
     envs: Any,
     *,
@@ -84,9 +90,12 @@ def add_pixels(
     worlds: returns the arguments of render_worlds() that describe the worlds of the vector environment, for
     environments that are no SyncVectorEnv of MuJoCo environments; requires `renderer` and `cameras`
     renderer: default: one of the scene, on `device`; requires `scene` or `worlds`, and excludes `device`
-    options: of render_worlds(), such as shadows="none", except outputs, out, on_device and channels_first
+    options: of render_worlds(), such as shadows="none", except outputs, out, on_device, channels_first, and what the
+    environments' data or `worlds` defines
 
-    Requires the package gymnasium (1.0 or newer)."""
+    All environments show the scene, so their models must be equal in what is shown: sizes, meshes, materials, lights.
+    Gymnasium raises ValueError for environments with AutoresetMode.SAME_STEP, which its wrappers of observations do not
+    support. Requires the package gymnasium (1.0 or newer)."""
     try:
         gymnasium = importlib.import_module("gymnasium")
     except ImportError:
@@ -118,6 +127,8 @@ def add_pixels(
                 arguments.pop("camera_to_world", None)
             return arguments
 
+        _reject_repeated(worlds(envs), options, "the environments' data")
+
     elif renderer is None or cameras is None:
         raise UsageError("`worlds` requires `renderer` and `cameras`")
     return _class_of(gymnasium)(envs, renderer, _list_of_cameras(cameras), size, worlds, options)
@@ -147,6 +158,7 @@ def _class_of(gymnasium: Any) -> Any:
             if not isinstance(worlds, Mapping):
                 raise ArgumentTypeError(
                     f"worlds must return a dict of arguments of render_worlds(), not {type(worlds).__name__}")
+            _reject_repeated(worlds, self._options, "the result of `worlds`")
             frames = self.renderer.render_worlds(
                 self.num_envs, self.cameras, self.size, "rgba", **worlds, **self._options
             )

@@ -625,7 +625,7 @@ def test_states_of_wrong_types_are_refused(model, robot):
     other = mujoco.MjModel.from_xml_string("<mujoco><worldbody><geom size='.1'/></worldbody></mujoco>")
     with pytest.raises(latelight.UsageError, match="must be of one model"):
         robot.worlds([data, mujoco.MjData(other)])
-    with pytest.raises(latelight.UsageError, match="all of the model's elements"):
+    with pytest.raises(latelight.UsageError, match="must be of one model, the scene's"):
         latelight.from_mujoco(other).worlds(data)
     with pytest.raises(latelight.ArgumentTypeError, match="must be an array of numbers, not str"):
         robot.worlds(geom_xpos="x", geom_xmat=np.zeros((1, model.ngeom, 9)))
@@ -727,6 +727,78 @@ def test_vector_environments_have_pixels():
     for name, value in (("channels_first", True), ("on_device", True), ("outputs", "id"), ("out", {})):
         with pytest.raises(latelight.UsageError, match=f"so it has no option {name}$"):
             latelight.add_pixels(gymnasium.vector.SyncVectorEnv([Fall, Fall]), device="cpu", **{name: value})
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "field"),
+    [
+        ('size="0.15 0.4"', 'size="0.15 0.5"', "geom_size"),
+        ('rgba="0 1 0 1"', 'rgba="0 1 1 1"', "geom_rgba"),
+        ('name="tool" type="box"', 'name="tool" type="ellipsoid"', "geom_type"),
+        ('name="glass" type="box"', 'name="glass" group="3" type="box"', "geom_group"),
+        ('metallic="0.25"', 'metallic="0.5"', "mat_metallic"),
+        ('rgb1="1 1 1"', 'rgb1="1 0 1"', "tex_data"),
+        ("0 1 2 1 0", "0 1 2 2 0", "hfield_data"),
+        ("0 1 0  0 0 1", "0 1 0  0 0 2", "mesh_vert"),
+        ('cutoff="30"', 'cutoff="40"', "light_cutoff"),
+        ('name="lamp" pos="0 0 3"', 'name="lamp" pos="1 0 3"', "light_pos"),
+        ('fovy="50"', 'fovy="60"', "cam_fovy"),
+    ],
+)
+def test_data_of_models_that_look_different_is_refused(model, robot, old, new, field):
+    assert MODEL.count(old) == 1
+    other = mujoco.MjModel.from_xml_string(MODEL.replace(old, new))
+    for world, states in enumerate(([other], [model, other])):
+        with pytest.raises(latelight.UsageError, match=f"of world {world} differs in .*{field}"):
+            robot.worlds([data_at(each, 0, 1) for each in states])
+
+
+def test_data_of_models_that_look_equal_is_accepted(model, robot):
+    """Masses, positions, and geoms that the scene does not show may differ."""
+    xml = MODEL
+    for old, new in (
+        ('size="1 1 1" group="3"', 'size="2 1 1" group="3"'),
+        ('<body pos="1 0 0.5"', '<body pos="1 0.2 0.5"'),
+        ('size="0.3" rgba="1 0 0 1"', 'size="0.3" rgba="1 0 0 1" mass="9" friction="2 0.1 0.1"'),
+        ('name="eye" pos="0 -4 2.5"', 'name="eye" pos="0 -4 3"'),
+    ):
+        assert xml.count(old) == 1
+        xml = xml.replace(old, new)
+    states = [data_at(each, 0, 1) for each in (model, mujoco.MjModel.from_xml_string(xml))]
+    for _ in range(2):
+        worlds = robot.worlds(states)
+        limb = list(robot.geoms).index(model.geom("limb").id)
+        np.testing.assert_allclose(worlds["transforms"][1, limb, :, 3] - worlds["transforms"][0, limb, :, 3],
+                                   (0, 0, -0.2), atol=1e-12)
+
+
+def test_environments_show_one_model():
+    gymnasium = pytest.importorskip("gymnasium")
+    kinds = [falling(gymnasium, xml) for xml in (MODEL, MODEL.replace('type="sphere" size="0.3"', 'type="sphere" size="0.6"'))]
+    with pytest.raises(latelight.UsageError, match="that of world 1 differs in geom_size"):
+        latelight.add_pixels(gymnasium.vector.SyncVectorEnv(kinds), device="cpu")
+
+
+def test_options_do_not_repeat_what_environments_define():
+    gymnasium = pytest.importorskip("gymnasium")
+    Fall = falling(gymnasium, MODEL)
+    model = mujoco.MjModel.from_xml_string(MODEL)
+    robot = latelight.from_mujoco(model)
+    given = robot.worlds([data_at(model, 0, 1)] * 2)
+    for name in ("instances", "transforms", "camera_to_world"):
+        with pytest.raises(latelight.UsageError, match=f"the environments' data defines {name}: omit the option"):
+            latelight.add_pixels(
+                gymnasium.vector.SyncVectorEnv([Fall, Fall]), scene=robot, device="cpu", **{name: given[name]})
+    # Cameras that keep their poses may have poses of the caller's.
+    envs = latelight.add_pixels(
+        gymnasium.vector.SyncVectorEnv([Fall, Fall]), scene=robot, cameras=latelight.Camera(), size=(8, 8), device="cpu",
+        shadows="none", camera_to_world=given["camera_to_world"][:, :1])
+    assert envs.reset(seed=3)[0]["pixels"].shape == (2, 8, 8, 3)
+    own = latelight.add_pixels(
+        gymnasium.vector.SyncVectorEnv([Fall, Fall]), renderer=envs.renderer, cameras=latelight.Camera(), size=(8, 8),
+        worlds=lambda envs: given, instances=robot.instances)
+    with pytest.raises(latelight.UsageError, match="the result of `worlds` defines instances: omit the option"):
+        own.reset(seed=3)
 
 
 def test_vector_environments_may_replace_their_data():
