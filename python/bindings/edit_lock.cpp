@@ -32,7 +32,11 @@ void afterForkInParent() {
   locks().mutex.unlock();
 }
 
+// The innermost reader of this thread. A forked process has none, because its locks are free.
+thread_local const EditLock::Reader* innermostReader = nullptr;
+
 void afterForkInChild() {
+  innermostReader = nullptr;
   for (EditLock* lock : locks().all) lock->resetInForkedProcess();
   new (&locks().mutex) std::mutex;
 }
@@ -51,6 +55,22 @@ EditLock::EditLock() {
 EditLock::~EditLock() {
   const std::lock_guard lock(locks().mutex);
   locks().all.erase(this);
+}
+
+EditLock::Reader::Reader(EditLock& lock) : lock_(lock), outer_(innermostReader) {
+  lock_.lock_shared();
+  innermostReader = this;
+}
+
+EditLock::Reader::~Reader() {
+  innermostReader = outer_;
+  lock_.unlock_shared();
+}
+
+bool EditLock::isReadByThisThread() const {
+  const Reader* reader = innermostReader;
+  while (reader && &reader->lock_ != this) reader = reader->outer_;
+  return reader != nullptr;
 }
 
 void EditLock::resetInForkedProcess() {

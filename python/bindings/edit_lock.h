@@ -13,6 +13,22 @@ class EditLock {
   EditLock(const EditLock&) = delete;
   EditLock& operator=(const EditLock&) = delete;
 
+  // Holds the lock as a reader.
+  class Reader {
+   public:
+    explicit Reader(EditLock& lock);
+    ~Reader();
+    Reader(const Reader&) = delete;
+    Reader& operator=(const Reader&) = delete;
+
+   private:
+    friend class EditLock;
+    EditLock& lock_;
+    const Reader* const outer_;  // of this thread
+  };
+  // Returns true in code that runs within a Reader of this thread, such as a signal handler. lock() would never return.
+  bool isReadByThisThread() const;
+
   void lock() { mutex_.lock(); }
   void unlock() { mutex_.unlock(); }
   void lock_shared() { mutex_.lock_shared(); }

@@ -6,7 +6,6 @@
 
 #include <memory>
 #include <mutex>
-#include <shared_mutex>
 
 #include "edit_lock.h"
 #include "interpreter.h"
@@ -20,11 +19,15 @@ class SharedScene {
   template <typename Work>
   auto read(Work work) const {
     const WithoutGil others;
-    const std::shared_lock lock(busy_);
+    const EditLock::Reader reader(busy_);
     return work(static_cast<const Scene&>(scene_));
   }
   template <typename Work>
   auto edit(Work work) {
+    if (busy_.isReadByThisThread())
+      throw Error(ExitCode::Usage,
+                  "the scene is in use: a signal handler or __del__() that runs while a call reads the scene must not "
+                  "edit it");
     const WithoutGil others;
     const std::unique_lock lock(busy_);
     return work(scene_);

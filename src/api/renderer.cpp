@@ -91,7 +91,7 @@ thread_local const CallbackScope* CallbackScope::innermost_ = nullptr;
 
 void requireIdle(const vk::Device& device) {
   if (CallbackScope::contains(device))
-    badUsage("the renderer is in use: the callback of whileWaiting() must not call it");
+    badUsage("the renderer is in use: a signal handler or callback that runs while it waits must not call it");
 }
 
 Renderer::Impl& Renderer::filled() const {

@@ -314,7 +314,8 @@ TEST(Waiting, RejectsCallsOfTheRendererFromItsCallback) {
   EXPECT_EQ(renderer.render(camera, options).aovs.at("depth").values, before.aovs.at("depth").values);
   EXPECT_EQ(rejections,
             std::vector<std::string>(std::size(calls),
-                                     "the renderer is in use: the callback of whileWaiting() must not call it"));
+                                     "the renderer is in use: a signal handler or callback that runs while it waits "
+                                     "must not call it"));
   EXPECT_EQ(depths, before.aovs.at("depth").values);
   EXPECT_EQ(ticket.take().front().aovs.at("depth").values, before.aovs.at("depth").values);
 }

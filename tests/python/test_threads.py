@@ -193,3 +193,34 @@ def test_signal_handlers_cannot_call_the_renderer_that_they_interrupt(square, de
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
     assert ticket.take()["rgba"].shape == (16, 16, 4)
+
+
+def test_signal_handlers_cannot_edit_the_scene_that_they_interrupt(device):
+    """They raise instead of waiting for the call that waits for them. Edits of other scenes work."""
+    scene, other = latelight.Scene("builtin:boxes"), latelight.Scene("builtin:boxes")
+    renderer, camera = latelight.Renderer(scene, device), latelight.Camera.look_at((0, 0, 6), (0, 0, 0))
+    handle, edited = scene.instances()[0], other.instances()[0]
+    pose = np.array([[1, 0, 0, 3], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
+    rejections = []
+
+    def edit(*_):
+        other.set_transform(edited, pose)
+        try:
+            scene.set_transform(handle, pose)  # A signal between two calls interrupts none of them.
+        except latelight.UsageError as error:
+            rejections.append(str(error))
+
+    before = signal.signal(signal.SIGALRM, edit)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.1, 0.1)
+        end = time.monotonic() + 60
+        while not rejections and time.monotonic() < end:
+            renderer.labels(camera, (64, 48))
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert set(rejections) == {
+        "the scene is in use: a signal handler or __del__() that runs while a call reads the scene must not edit it"}
+    np.testing.assert_array_equal(other.instance(edited).transform, pose)
+    scene.set_transform(handle, np.eye(4))
+    np.testing.assert_array_equal(scene.instance(handle).transform, np.eye(4))
