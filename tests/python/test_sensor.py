@@ -90,8 +90,9 @@ def test_raw_and_its_noise(boxes, renderer):
     channel = np.array([[0, 1], [1, 2]])[rows % 2, columns % 2]  # without bayer: rggb
     light = np.take_along_axis(clean["color"], channel[:, :, None], 2)[:, :, 0]
     np.testing.assert_allclose(clean["raw"], np.clip(np.round(60 + 963 * light), 0, 1023), atol=1)
-    with pytest.raises(latelight.UsageError, match="arrays"):
-        renderer.render(cameras, SIZE, "raw", on_device=True)
+    for form in ({"on_device": True}, {"formats": {"raw": "float16"}}, {"channels_first": True}):
+        with pytest.raises(latelight.UsageError, match="neither arrays on the device, nor formats or channels first"):
+            renderer.render(cameras, SIZE, "raw", **form)
 
 
 def test_raw_has_the_light_of_the_background(half_plane):

@@ -370,7 +370,9 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   }
   begin(settings, moment);
   if (usesSensor(requested) && results == Results::Exported)
-    badUsage("the sensor's options run on the host, so they do not support arrays on the device");
+    badUsage(
+        "the sensor's options run on the host, after the device has written its arrays: they support neither arrays on "
+        "the device, nor formats or channels first");
   replays_.tick();
   const uint32_t rows = strips.size() > 1 ? settings.height : strips.front().rows;
   const auto job = std::make_shared<RenderJob>(cameras, scene_, settings, moment, rows);
