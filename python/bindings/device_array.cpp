@@ -155,8 +155,12 @@ void bindDeviceArray(nb::module_& module) {
       "the device by then.");
   type.def_prop_ro("shape", &shapeTuple, nb::sig("def shape(self) -> tuple[int, ...]"))
       .def_prop_ro(
-          "dtype", [](const PlacedArray& a) { return infoOf(a.array.element).name; },
-          "\"float32\", \"float16\", \"uint32\", \"uint16\" or \"uint8\".")
+          "dtype",
+          [](const PlacedArray& a) {
+            return nb::module_::import_("numpy").attr("dtype")(infoOf(a.array.element).name);
+          },
+          nb::sig("def dtype(self) -> numpy.dtype[typing.Any]"),
+          "float32, float16, uint32, uint16 or uint8. It equals its name: array.dtype == \"float32\".")
       .def_prop_ro(
           "device",
           [](const PlacedArray& a) { return a.deviceType == kOnHost ? "cpu" : fmt::format("cuda:{}", a.device); },

@@ -33,6 +33,23 @@ def test_hold_what_frames_hold(renderer, cameras):
         np.testing.assert_array_equal(arrays[name].numpy(), frames[name])
 
 
+def test_have_dtypes_of_numpy(renderer, cameras):
+    formats = {"id": "uint16", "normal": "float16"}
+    arrays = renderer.render(
+        cameras[0], (4, 4), ("rgba", "depth", "part", "id", "normal"), on_device=True, formats=formats)
+    expected = {"rgba": "uint8", "depth": "float32", "part": "uint32", "id": "uint16", "normal": "float16"}
+    for name, dtype in expected.items():
+        assert isinstance(arrays[name].dtype, np.dtype) and arrays[name].dtype == dtype
+        assert arrays[name].dtype == np.dtype(dtype) and f"{name}: {dtype}(" in repr(arrays)
+
+
+def test_jax_converts_them(renderer, cameras):
+    numpy = pytest.importorskip("jax.numpy", reason="jax is not installed")
+    arrays = renderer.render(cameras[0], (8, 4), ("rgba", "depth"), on_device=True)
+    for array in arrays.values():
+        np.testing.assert_array_equal(numpy.asarray(array), array.numpy())
+
+
 def test_numpy_reads_them_as_arrays(renderer, cameras):
     """Not as an array of shape () that holds the object."""
     depth = renderer.render(cameras, (40, 24), "depth", on_device=True)["depth"]
