@@ -327,7 +327,7 @@ nb::object renderWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb::han
 std::vector<Pick> pick(const std::shared_ptr<SharedRenderer>& renderer, nb::handle camera, nb::handle pixels,
                        nb::handle size, const nb::kwargs& keywords) {
   const Camera view = objectOf<Camera>(camera, "camera", "a Camera");
-  const nb::object array = arrayOf(pixels, "pixels", Elements::Integers, {-1, 2}, "int64");
+  const nb::object array = arrayOf(rowsWithColumns(pixels, 2), "pixels", Elements::Integers, {-1, 2}, "int64");
   const Options options = optionsOf(size, nb::make_tuple("rgba"), keywords);
   std::vector<std::array<uint32_t, 2>> places(lengthOf(array, 0));
   if (places.empty()) return {};
@@ -583,10 +583,11 @@ nb::dict castWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb::handle 
 }
 
 // Rays and hits that are both in the host's memory require no worlds.
-std::shared_ptr<SharedCastTicket> submitCast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins,
-                                             nb::handle directions, nb::handle maxDistance, nb::handle outputs,
+std::shared_ptr<SharedCastTicket> submitCast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle from,
+                                             nb::handle along, nb::handle maxDistance, nb::handle outputs,
                                              nb::handle out, const nb::kwargs& keywords) {
   const double limit = numberOf(maxDistance, "max_distance");
+  const nb::object origins = rowsWithColumns(from, 3), directions = rowsWithColumns(along, 3);
   nb::dict optional;
   optional.update(keywords);
   const bool onDevice = boolOf(optional.attr("get")("on_device", false), "on_device");

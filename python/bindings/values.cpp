@@ -285,6 +285,14 @@ nb::object arrayOf(nb::handle value, std::string_view name, Elements elements, c
   return dtype ? numpy("ascontiguousarray")(array, dtype) : numpy("ascontiguousarray")(array);
 }
 
+nb::object rowsWithColumns(nb::handle value, size_t columns) {
+  const RunningPython section;
+  const bool isList = PyList_Check(value.ptr()) || PyTuple_Check(value.ptr());
+  const bool isEmpty = isList ? PySequence_Size(value.ptr()) == 0
+                              : nb::hasattr(value, "shape") && value.attr("shape").equal(nb::make_tuple(0));
+  return isEmpty ? numpy("empty")(nb::make_tuple(0, columns)) : nb::borrow(value);
+}
+
 nb::object numberArrayOf(nb::handle value, std::string_view name) {
   const RunningPython section;
   const nb::object array = anyArrayOf(value, name, {});

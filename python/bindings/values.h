@@ -92,6 +92,9 @@ nb::object anyArrayOf(nb::handle value, std::string_view name, const std::vector
 // rejected, because NumPy would drop the mask.
 nb::object arrayOf(nb::handle value, std::string_view name, Elements elements, const std::vector<int64_t>& shape,
                    const char* dtype = nullptr);
+// Returns the value, or for an empty list an array (0, columns): NumPy would make it an array without an axis of
+// columns.
+nb::object rowsWithColumns(nb::handle value, size_t columns);
 // Converts anything that NumPy accepts to a float64 array with any number of axes. Its numbers may be infinite or NaN.
 nb::object numberArrayOf(nb::handle value, std::string_view name);
 // Converts a list of integers to an integer type of NumPy. Rejects integers out of its range, which NumPy would wrap.

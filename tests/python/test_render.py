@@ -334,3 +334,21 @@ def test_metered_exposures(device):
     assert darker.exposures == pytest.approx([frame.exposure / 2 for frame in frames])
     assert renderer.render(cameras[0], (16, 16), "color", exposure=1).exposure == 2
     assert renderer.validation_messages() == []
+
+
+@pytest.mark.parametrize("empty", [[], (), np.array([]), np.zeros((0, 3))])
+def test_no_rays_hit_nothing(renderer, empty):
+    for options in ({}, {"on_device": True}):
+        hits = renderer.cast(empty, empty, **options)
+        assert hits["distance"].shape == (0,) and hits["uv"].shape == (0, 2)
+    assert renderer.submit_cast(empty, empty, outputs="position").take()["position"].shape == (0, 3)
+    with pytest.raises(latelight.UsageError, match=r"shape \(N, 3\), not \(1, 2\)"):
+        renderer.cast([[0, 0]], [[0, 0]])
+
+
+def test_no_pixels_show_nothing(renderer, boxes):
+    camera = boxes.default_camera()
+    for empty in ([], (), np.array([]), np.zeros((0, 2), int)):
+        assert renderer.pick(camera, empty, (8, 8)) == []
+    with pytest.raises(latelight.UsageError, match=r"shape \(N, 2\), not \(0, 3\)"):
+        renderer.pick(camera, np.zeros((0, 3), int), (8, 8))
