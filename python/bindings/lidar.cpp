@@ -54,18 +54,16 @@ nb::dict fieldsOf(LidarPattern&& p) {
 }
 
 nb::dict patternNamed(nb::handle sensor, nb::handle rate, nb::handle columns, nb::handle start) {
-  try {
+  return inPython([&] {
     return fieldsOf(lidarPattern(textOf(sensor, "sensor"), numberOf(rate, "rate"),
                                  static_cast<uint32_t>(integerOf(columns, "columns", 0, INT32_MAX)),
                                  numberOf(start, "start")));
-  } catch (const Error& error) {
-    throw inPython(error);
-  }
+  });
 }
 
 nb::dict spinningPattern(nb::handle name, nb::handle elevations, nb::handle azimuths, nb::handle firing,
                          nb::handle cycle, nb::handle columns, nb::handle rate) {
-  try {
+  return inPython([&] {
     return fieldsOf(lidarPattern({.name = textOf(name, "name"),
                                   .elevations = doublesOf(elevations, "elevations", {-1}),
                                   .azimuths = doublesOf(azimuths, "azimuths", {-1}),
@@ -73,9 +71,7 @@ nb::dict spinningPattern(nb::handle name, nb::handle elevations, nb::handle azim
                                   .cycle = numberOf(cycle, "cycle"),
                                   .columns = static_cast<uint32_t>(integerOf(columns, "columns", 0, INT32_MAX)),
                                   .rate = numberOf(rate, "rate")}));
-  } catch (const Error& error) {
-    throw inPython(error);
-  }
+  });
 }
 
 // Writes the fields of a latelight.lidar.Scan, whose positions are x, y and z.
@@ -92,11 +88,7 @@ void writeFields(nb::handle path, const nb::dict& fields) {
   const std::vector<float> x = floatColumn(fields, "x"), y = floatColumn(fields, "y"), z = floatColumn(fields, "z");
   for (size_t i = 0; i < x.size(); ++i) points.position.push_back({x[i], y.at(i), z.at(i)});
   points.worldPosition.resize(points.position.size());
-  try {
-    writePoints(pathOf(path, "path"), points);
-  } catch (const Error& error) {
-    throw inPython(error);
-  }
+  inPython([&] { writePoints(pathOf(path, "path"), points); });
 }
 
 }  // namespace

@@ -243,16 +243,14 @@ Options optionsOf(nb::handle size, nb::handle outputs, const nb::dict& keywords)
   return options;
 }
 
-void checkWorldKeywords(const nb::dict& keywords) try {
-  Options options;
-  for (const auto& [key, value] : keywords) {
-    const std::string name = shown(nb::borrow(key));
-    if (!isWorldArgument(name)) setKeyword(options, name, value, true);
-  }
-} catch (const TypeMistake&) {
-  throw;
-} catch (const Error& error) {
-  throw inPython(error);
+void checkWorldKeywords(const nb::dict& keywords) {
+  inPython([&] {
+    Options options;
+    for (const auto& [key, value] : keywords) {
+      const std::string name = shown(nb::borrow(key));
+      if (!isWorldArgument(name)) setKeyword(options, name, value, true);
+    }
+  });
 }
 
 std::string optionParameters(const std::vector<std::string>& except) {
@@ -286,7 +284,7 @@ std::string outputDocs() {
   return text;
 }
 
-Error inPython(const Error& error) {
+Error withKeywords(const Error& error) {
   std::string text = error.what();
   for (const Keyword& keyword : keywords()) {
     const std::string option = keyword.option;

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "values.h"
+
 namespace latelight::python {
 
 // Returns "shadow_filter" for "shadowFilter".
@@ -26,6 +28,18 @@ std::string optionDocs();
 std::string outputDocs();
 
 // Returns the same error with options named as keyword arguments.
-Error inPython(const Error& error);
+Error withKeywords(const Error& error);
+
+// Calls `work`, whose errors then name options as keyword arguments.
+template <typename Work>
+auto inPython(Work work) {
+  try {
+    return work();
+  } catch (const TypeMistake&) {  // names Python's arguments already, and is also a Python TypeError
+    throw;
+  } catch (const Error& error) {
+    throw withKeywords(error);
+  }
+}
 
 }  // namespace latelight::python

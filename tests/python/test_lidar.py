@@ -417,6 +417,18 @@ def test_arguments_that_are_no_numbers(renderer, value, kind):
             call()
 
 
+def test_values_of_wrong_types_raise_type_errors(device):
+    scan = lidar.scan(latelight.Renderer(latelight.Scene("builtin:boxes"), device), firings([X]), POSE)
+    calls = {
+        "name must be a text, not int": lambda: lidar.spinning(3, [0.0], 1e-4, 10),
+        "columns must be a whole number, not str": lambda: lidar.spinning("sensor", [0.0], 1e-4, 10, columns="all"),
+        "path must be a path, not int": lambda: scan.write(3),
+    }
+    for message, call in calls.items():
+        with pytest.raises(latelight.ArgumentTypeError, match=f"^{message}$"):
+            call()
+
+
 def test_patterns_accept_lists():
     pattern = lidar.Pattern("lists", [[1, 0, 0], [0, 1, 0]], [0, 0.01], [3, 65535], 0.1)
     arrays = (pattern.directions, pattern.times, pattern.rings)
