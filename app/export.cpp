@@ -10,6 +10,7 @@
 #include "app/render_options.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/lowercase.h"
 #include "base/text.h"
 #include "data/batch/frame_scene.h"
 #include "export/export.h"
@@ -57,7 +58,7 @@ void exportFrame(const ExportArguments& a) {
   data::FrameScene frame = data::sceneOfFrame(job, index);
   frame.files.emplace_back(a.job);
   exports::exportScene(frame.scene, out, frame.files);
-  if (std::filesystem::path(out).extension() != ".glb") return;
+  if (lowercaseExtension(out) != ".glb") return;
   std::vector<std::string> words{"latelight", "render", out, "-o",
                                  std::filesystem::path(frame.name).filename().string() + ".png"};
   words.insert(words.end(), frame.options.begin(), frame.options.end());

@@ -3,6 +3,7 @@
 #include "app/parse.h"
 #include "app/render_labels.h"
 #include "base/error.h"
+#include "base/lowercase.h"
 #include "data/formats/correspondence_arrays.h"
 
 namespace latelight::app {
@@ -10,7 +11,7 @@ namespace latelight::app {
 namespace {
 
 bool isExr(const std::string& pattern) {
-  return std::filesystem::path(pattern).extension() == ".exr";
+  return lowercaseExtension(pattern) == ".exr";
 }
 
 bool hasOwnCamera(const RenderOptions& o) {
@@ -18,7 +19,7 @@ bool hasOwnCamera(const RenderOptions& o) {
 }
 
 void checkCorrespondFile(const std::string& pattern) {
-  if (!isExr(pattern) && std::filesystem::path(pattern).extension() != ".npz")
+  if (!isExr(pattern) && lowercaseExtension(pattern) != ".npz")
     badUsage("--correspond writes NPZ or EXR; give it a name that ends in .npz or .exr, not \"{}\"", pattern);
   checkFrameFile("--correspond", pattern);
 }

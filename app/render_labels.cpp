@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/log.h"
+#include "base/lowercase.h"
 #include "data/extras.h"
 #include "data/json_builder.h"
 #include "data/json_text.h"
@@ -41,7 +42,7 @@ std::vector<data::ObjectKeypoint> readKeypoints(const RenderOptions& o) {
 
 void checkName(const std::string& pattern) {
   if (pattern == "-") return;
-  if (std::filesystem::path(pattern).extension() != ".json")
+  if (lowercaseExtension(pattern) != ".json")
     badUsage("--labels writes JSON; give it a name that ends in .json, not \"{}\"", pattern);
   checkFrameFile("--labels", pattern);
 }

@@ -9,6 +9,7 @@
 #include "app/render_options.h"
 #include "app/render_run.h"
 #include "base/files.h"
+#include "base/lowercase.h"
 #include "output/used_files.h"
 #include "render/submit/raster_choice.h"
 #include "render/submit/session.h"
@@ -39,7 +40,7 @@ void checkGiven(const RenderOptions& o) {
   if (const auto name = unsupportedByReport().findIn(o))
     badUsage("report selects its own images and values: omit {}", *name);
   if (o.out.empty()) badUsage("--out is required: give the output file, for example -o report.html");
-  const std::string ending = std::filesystem::path(o.out).extension().string();
+  const std::string ending = lowercaseExtension(o.out);
   if (o.out != "-" && ending != ".html" && ending != ".htm")
     badUsage("report writes an HTML page; give it a name that ends in .html, not \"{}\"", o.out);
   checkWritable(o.out);

@@ -4,12 +4,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 
 #include "app/commands.h"
 #include "app/view_start.h"
 #include "base/log.h"
+#include "base/lowercase.h"
 #include "vk/driver_cache.h"
 
 namespace latelight::app {
@@ -23,8 +23,7 @@ struct ServeArguments {
 
 void serveScene(ServeArguments& a) {
   const view::Start start = viewStart(a.render, "serve");
-  for (std::string& name : a.server.names)
-    std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (std::string& name : a.server.names) name = lowercase(name);
   vk::avoidFullDriverCache();
   serve::Server server(a.server, start);
   fmt::print("{} on {}; open this page, and keep its address to yourself:\n\n  {}\n\n", printable(start.scene),

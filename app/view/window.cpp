@@ -11,6 +11,7 @@
 #include "app/view/panel.h"
 #include "app/view/sun_dial.h"
 #include "base/log.h"
+#include "base/lowercase.h"
 #include "view/session_thread.h"
 
 namespace latelight::app {
@@ -20,7 +21,8 @@ namespace {
 constexpr float kPanelWidth = 380;
 
 bool isEnvironment(const std::string& file) {
-  return file.ends_with(".hdr") || file.ends_with(".exr");
+  const std::string extension = lowercaseExtension(file);
+  return extension == ".hdr" || extension == ".exr";
 }
 
 std::string titleOf(const std::string& scene) {

@@ -608,7 +608,7 @@ def from_mujoco(model: Any, *, groups: Sequence[int] = (0, 1, 2)) -> MujocoScene
         if not os.path.isfile(path):
             raise InputError(f"{path} does not exist: give an .xml or .mjb file")
         try:
-            load = mujoco.MjModel.from_binary_path if path.endswith(".mjb") else mujoco.MjModel.from_xml_path
+            load = mujoco.MjModel.from_binary_path if path.lower().endswith(".mjb") else mujoco.MjModel.from_xml_path
             model = load(path)
         except ValueError as error:
             reason = " ".join(str(error).split())

@@ -13,6 +13,7 @@
 #include "api/transform.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/lowercase.h"
 #include "base/memory.h"
 #include "output/points.h"
 
@@ -156,9 +157,7 @@ void writePoints(const std::filesystem::path& path, const LidarPoints& from, boo
                              from.id,
                              from.part,
                              from.material};
-  std::string format = path.extension().string();
-  for (char& c : format)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  std::string format = lowercaseExtension(path);
   if (!format.empty()) format.erase(0, 1);
   std::vector<float> buffer;
   writeFile(path, output::encodePoints(format, lidar::fieldsOf(points, world, buffer)));

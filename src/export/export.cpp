@@ -1,12 +1,12 @@
 #include "export/export.h"
 
 #include <algorithm>
-#include <cctype>
 #include <new>
 
 #include "base/error.h"
 #include "base/files.h"
 #include "base/log.h"
+#include "base/lowercase.h"
 #include "base/memory.h"
 #include "export/document.h"
 #include "export/formats.h"
@@ -16,12 +16,6 @@
 
 namespace latelight::exports {
 namespace {
-
-std::string extensionOf(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
 
 // An upper bound of what is written, apart from images, whose size is not known before they are encoded.
 uint64_t geometryBytes(const scene::Scene& scene) {
@@ -73,7 +67,7 @@ std::vector<std::byte> encodeGlb(const scene::Scene& scene) {
 }
 
 void checkExportName(const std::filesystem::path& file) {
-  const std::string extension = extensionOf(file);
+  const std::string extension = lowercaseExtension(file);
   if (extension != ".glb" && extension != ".obj" && extension != ".ply")
     badUsage("'{}' is not the name of an exported scene: end it in .glb, .obj or .ply", file.string());
 }
@@ -81,7 +75,7 @@ void checkExportName(const std::filesystem::path& file) {
 void exportScene(const scene::Scene& scene, const std::filesystem::path& file,
                  std::span<const std::filesystem::path> inputs) {
   checkExportName(file);
-  const std::string extension = extensionOf(file);
+  const std::string extension = lowercaseExtension(file);
   if (extension != ".glb") requireTriangles(scene, extension);
   output::UsedFiles used(inputs);
   try {

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/lowercase.h"
 #include "output/srgb.h"
 
 namespace latelight::output {
@@ -320,7 +321,7 @@ ReadImage asOutput(const ReadImage& image, const std::filesystem::path& path) {
     const bool decodes = aov->png != PngCoding::None && aov->png != PngCoding::Srgb;
     return decodes && image.channels.size() == needed ? decodedPng(image, *aov) : image;
   }
-  if (path.extension() != ".npy" || image.channels.size() != aov->channels) return image;
+  if (lowercaseExtension(path) != ".npy" || image.channels.size() != aov->channels) return image;
   ReadImage renamed = image;
   for (uint32_t c = 0; c < aov->channels; ++c) renamed.channels[c].name = aov->exrChannels[c];
   return renamed;

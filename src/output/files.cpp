@@ -1,13 +1,13 @@
 #include "output/files.h"
 
 #include <algorithm>
-#include <cctype>
 #include <climits>
 #include <limits>
 #include <system_error>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/lowercase.h"
 #include "output/exr.h"
 #include "output/npy.h"
 #include "output/png.h"
@@ -19,15 +19,10 @@ namespace {
 constexpr std::string_view kPlaceholders = "{aov}, {frame}, {camera}, {scene}";
 constexpr std::string_view kStandardOutput = "-";
 
-std::string lowered(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 // Returns nothing if the extension is unknown.
 std::optional<Format> knownFormatOf(std::string_view pattern) {
   if (pattern == kStandardOutput) return Format::Png;
-  const std::string ending = lowered(fs::path(pattern).extension().string());
+  const std::string ending = lowercaseExtension(pattern);
   if (ending == ".png") return Format::Png;
   if (ending == ".exr") return Format::Exr;
   if (ending == ".npy") return Format::Npy;

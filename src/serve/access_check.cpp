@@ -3,10 +3,10 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include "base/error.h"
+#include "base/lowercase.h"
 #include "serve/token.h"
 
 namespace latelight::serve {
@@ -24,10 +24,9 @@ std::string nameOf(std::string_view host) {
   const bool bracketed = host.starts_with('[');
   const size_t end = std::min(host.find(bracketed ? ']' : ':'), host.size());
   if (bracketed && end == host.size()) return "";
-  std::string name(bracketed ? host.substr(1, end - 1) : host.substr(0, end));
+  const std::string name = lowercase(std::string(bracketed ? host.substr(1, end - 1) : host.substr(0, end)));
   const std::string_view port = host.substr(bracketed ? end + 1 : end);
   const bool isPort = port.empty() || (port.starts_with(':') && port.find_first_not_of("0123456789", 1) == port.npos);
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return isPort && (!bracketed || isAddress(name)) ? name : "";
 }
 

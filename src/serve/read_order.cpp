@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 
+#include "base/lowercase.h"
 #include "serve/messages.h"
 
 namespace latelight::serve {
@@ -90,7 +91,8 @@ view::MoveLight moveLight(const Json& message) {
 // The name must not contain a path.
 SendFile file(const Json& message) {
   SendFile sent{text(message, "name"), whole<uint64_t>(message, "bytes", kMaxFileBytes)};
-  if (!sent.name.ends_with(".hdr") && !sent.name.ends_with(".exr")) throw BadMessage("an environment is .hdr or .exr");
+  const std::string name = lowercase(sent.name);
+  if (!name.ends_with(".hdr") && !name.ends_with(".exr")) throw BadMessage("an environment is .hdr or .exr");
   if (sent.name.find('/') != sent.name.npos) throw BadMessage("a file's name has no folder");
   return sent;
 }

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <iterator>
 #include <optional>
 
 #include "base/error.h"
+#include "base/lowercase.h"
 #include "base/text.h"
 #include "vk/added_drivers.h"
 #include "vk/cuda_devices.h"
@@ -35,11 +35,6 @@ const char* typeName(VkPhysicalDeviceType type) {
 std::string versionName(uint32_t version) {
   return fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
                      VK_API_VERSION_PATCH(version));
-}
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
 }
 
 std::vector<std::string> findMissing(VkPhysicalDevice device, uint32_t apiVersion) {
@@ -122,12 +117,12 @@ std::pair<const DeviceInfo*, std::string> find(const std::vector<DeviceInfo>& de
       if (device.index == index) return {&device, fmt::format("it is device number {}", selector)};
     return {nullptr, ""};
   }
-  std::string uuid = lower(selector);
+  std::string uuid = lowercase(selector);
   std::erase(uuid, '-');
   for (const DeviceInfo& device : devices)
     if (device.uuid == uuid) return {&device, "it has that UUID"};
   for (const DeviceInfo& device : devices)
-    if (lower(device.name).find(lower(selector)) != std::string::npos)
+    if (lowercase(device.name).find(lowercase(selector)) != std::string::npos)
       return {&device, fmt::format("it is the first device with \"{}\" in its name", selector)};
   return {nullptr, ""};
 }

@@ -209,15 +209,15 @@ TEST_F(CorrespondOfRender, IsThatOfDataSets) {
     std::vector<std::string> options{each.scene, "--size=96x54", "--eye=3,1.5,3", "--target=0,1,0", "--fov=40"};
     options.insert(options.end(), each.common.begin(), each.common.end());
     options.insert(options.end(), each.second.begin(), each.second.end());
-    for (const char* file : {"own.npz", "own.exr"}) {
+    for (const char* file : {"OWN.NPZ", "OWN.EXR"}) {
       std::vector<std::string> one = options;
       one.insert(one.end(), {"--correspond", file});
       ASSERT_TRUE(render(one));
     }
     const std::string set = folder.read("set/a/a.npz");
     EXPECT_GT(set.size(), 96u * 54 * 25);
-    EXPECT_TRUE(folder.read("own.npz") == set);
-    const output::ReadImage own = output::readImage(folder.at("own.exr")),
+    EXPECT_TRUE(folder.read("OWN.NPZ") == set);
+    const output::ReadImage own = output::readImage(folder.at("OWN.EXR")),
                             image = output::readImage(folder.at("set/a/a.exr"));
     ASSERT_EQ(own.channels.size(), 7u);
     for (const output::Channel& channel : own.channels) {

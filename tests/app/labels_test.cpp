@@ -249,6 +249,11 @@ TEST_F(LabelsOfRender, OfSequences) {
   EXPECT_EQ(frames["0002.json"]["objects"], labels({scene, "--size=64x36", "--time=0.2"})["objects"]);
 }
 
+TEST_F(LabelsOfRender, HaveNamesInAnyCase) {
+  ASSERT_TRUE(run({"render", "--device", "cpu", "builtin:boxes", "--size=48x27", "--labels=LABELS.JSON"}));
+  EXPECT_GT(json::parse(folder.read("LABELS.JSON"))["objects"].size(), 3u);
+}
+
 TEST_F(LabelsOfRender, OfAllPicturesAndWithoutOne) {
   for (const std::vector<std::string>& more :
        std::vector<std::vector<std::string>>{{"-o", "a.png", "--aa=ss4"},

@@ -73,6 +73,18 @@ TEST(SceneFiles, ExportedScenesAreRenderedAlike) {
   EXPECT_EQ(latelight({.arguments = {"export", "builtin:boxes"}, .folder = folder.path()}).code, 2);
 }
 
+// The command that renders a frame is printed for every name of a glTF file.
+TEST(SceneFiles, FramesOfJobsAreExportedWithTheirCommand) {
+  const Folder folder;
+  folder.write("JOB.JSON", R"({"scenes": "builtin:boxes"})");
+  for (const std::string out : {"a.glb", "B.GLB"}) {
+    const Outcome exported =
+        latelight({.arguments = {"export", "--job", "JOB.JSON", "--frame", "0", "-o", out}, .folder = folder.path()});
+    EXPECT_EQ(exported.code, 0) << exported.text();
+    EXPECT_THAT(exported.out, testing::StartsWith("latelight render " + out + " -o "));
+  }
+}
+
 // A .obj file is exported with a .mtl file and images, whose names the user does not give.
 TEST(SceneFiles, ExportedScenesReplaceNoFileOfTheScene) {
   const Folder folder;

@@ -12,6 +12,7 @@
 #include "base/memory.h"
 #include "data/batch/job.h"
 #include "data/batch/schema.h"
+#include "data/scene_files.h"
 #include "render/options/options.h"
 
 namespace latelight::data {
@@ -62,6 +63,28 @@ options: {size: 64x48, exposure: -1.5, time: 2, loop: true, shadow-lights: 4}
   EXPECT_FLOAT_EQ(job.settings.exposure.ev, -1.5f);
   EXPECT_TRUE(job.settings.loop);
   EXPECT_EQ(job.settings.shadowLights.most, 4u);
+}
+
+TEST(Job, FilesHaveNamesInAnyCase) {
+  Folder folder;
+  const std::string_view rules = R"({"front$": "sign"})";
+  folder.write("RULES.JSON", rules);
+  using Json = nlohmann::ordered_json;
+  Json job{{"scenes", "builtin:boxes"}, {"output", "set"}};
+  job["formats"].push_back({{"format", "coco"}, {"categories", folder.at("RULES.JSON")}});
+  for (const char* name : {"JOB.JSON", "JOB.YAML", "JOB.Yml"}) {
+    folder.write(name, job.dump());  // JSON is YAML, too
+    const JobDocument document = readJobFile(folder.at(name));
+    EXPECT_EQ(document.json, job) << name;
+    EXPECT_EQ(makeJob(document).formats.at(0).options["categories"], Json::parse(rules)) << name;
+  }
+}
+
+// The loaders of other formats than glTF list only images that they read.
+TEST(Job, FormatsOfScenesAreRecognizedInAnyCase) {
+  for (const char* source : {"a.glb", "A.GLB", "a.gltf", "A.glTF", "builtin:boxes"})
+    EXPECT_FALSE(listsFilesOnlyWithTextures(source)) << source;
+  for (const char* source : {"a.obj", "A.OBJ", "glb"}) EXPECT_TRUE(listsFilesOnlyWithTextures(source)) << source;
 }
 
 TEST(Job, PatternsAreFilledIn) {

@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "data/cameras/bop.h"
+#include "data/cameras/calibrated.h"
 #include "data/cameras/colmap.h"
 #include "data/cameras/transforms.h"
 #include "data/cameras/tum.h"
@@ -191,6 +192,12 @@ TEST(ColmapTest, ReadsBinaryFiles) {
   EXPECT_THAT(read[1].lens->distortion, ElementsAre(5, 6, 7, 8, 9, 10, 11, 12));
   EXPECT_EQ(read[1].name, "two.png");
   expectPose(read[0].pose, {1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {-1, 2, 3});
+}
+
+TEST(CalibratedTest, CamerasAreNamedAfterTheirPictures) {
+  for (const char* picture : {"a/1.5.png", "./a/1.5.Png", "../a/1.5.JPEG", "a/1.5.webp", "a/1.5.WEBP", "a/1.5.NPY"})
+    EXPECT_EQ(stemOf(picture), "a/1.5") << picture;
+  for (const char* name : {"1.5", "a.png/1.5", "png"}) EXPECT_EQ(stemOf(name), name);
 }
 
 TEST(ColmapTest, KnowsEachModel) {

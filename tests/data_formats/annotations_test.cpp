@@ -80,6 +80,13 @@ TEST_F(AnnotationsTest, YoloClassesOfRulesAreInTheirOrder) {
   EXPECT_THAT(text("data.yaml"), HasSubstr("  0: \"ghost\"\n  1: \"sign\"\n"));
 }
 
+TEST_F(AnnotationsTest, CategoriesAreReadFromAFile) {
+  const std::filesystem::path rules = folder / "RULES.JSON";
+  std::ofstream(rules) << R"({"nothing": "ghost", "front$": "sign"})";
+  write("yolo", {{"categories", rules.string()}});
+  EXPECT_THAT(lines("data.yaml"), testing::Contains("  1: \"sign\""));
+}
+
 // The first are not printable in YAML, and the others are its line breaks.
 TEST_F(AnnotationsTest, YoloNamesAreYaml) {
   write("yolo", {{"categories", {{"front$", "a\x01\x7f\u0080\u009f\uffff \u0085\u2028\u00a0\u00e9"}}}});

@@ -184,7 +184,7 @@ TEST_F(BopTest, NumbersComeFromAnotherSet) {
   const Json train =
       frameOf(sceneOf(meshes, {{"x", 1, turned(1, dvec3(1), {-3, 0, 0})}, {"y", 2, turned(1, dvec3(1), {3, 0, 0})}}));
   auto first = idsByNode(train);
-  const std::string list = written("train.json", json("models/models.json"));
+  const std::string list = written("TRAIN.JSON", json("models/models.json"));
   const Json options{{"models", list}};
   const Json test = frameOf(
       sceneOf(meshes, {{"new", 0, turned(1, dvec3(1), {-3, 0, 0})}, {"old", 2, turned(2, dvec3(1), {3, 0, 0})}}),

@@ -471,6 +471,11 @@ TEST_F(FormatFilesTest, TheSameFrameGivesTheSameBytes) {
   }
 }
 
+TEST_F(FormatFilesTest, FilesHaveExtensionsInAnyCase) {
+  const std::unique_ptr<Format> format = make("exr", {{"file", "{name}.EXR"}});
+  EXPECT_EQ(format->files({.name = "a"}).at(0).name, "a.EXR");
+}
+
 TEST_F(FormatFilesTest, WrongOptionsAreNamed) {
   const auto said = [](const char* name, const Json& options) {
     return sentence(ExitCode::Usage, [&] { make(name, options); });

@@ -69,7 +69,7 @@ TEST(MaterialsTest, AreTheSameOnEveryMachine) {
 
 TEST(TexturesTest, AreSwapped) {
   const Folder folder;
-  folder.write("b.bmp", bitmap(0, 0, 255));
+  folder.write("b.BMP", bitmap(0, 0, 255));
   folder.write("a.bmp", bitmap(255, 0, 0));
   folder.write("notes.txt", "no picture");
   Varied varied(R"([{"type": "textures", "materials": "matte", "repeat": [2, 3], "folder": ")" +
@@ -84,7 +84,7 @@ TEST(TexturesTest, AreSwapped) {
     const scene::Material& material = varied.scene.materials[2];
     const int texture = material.slots[shared::kTextureBaseColor].texture;
     ASSERT_TRUE(texture == 0 || texture == 1);
-    EXPECT_EQ(said["texture"], folder.at(texture == 0 ? "a.bmp" : "b.bmp"));
+    EXPECT_EQ(said["texture"], folder.at(texture == 0 ? "a.bmp" : "b.BMP"));
     EXPECT_EQ(material.data.textures & 1u, 1u);
     ++used[static_cast<size_t>(texture)];
     const shared::TextureTransform& transform = material.data.transforms[shared::kTextureBaseColor];

@@ -174,8 +174,10 @@ TEST(AsOutput, DecodesPngByItsName) {
       image({{"R", {1 / 255.0}}, {"G", {2 / 255.0}}, {"B", {3 / 255.0}}, {"A", {1}}}, ChannelType::Unorm8), "x.id.png");
   EXPECT_EQ(id.find("id")->values[0], 1 + 256 * 2 + 65536 * 3 + 16777216.0 * 255);
   EXPECT_EQ(asOutput(image({{"R", {1}}, {"G", {1}}, {"B", {1}}}, ChannelType::Unorm8), "x.png").channels[0].name, "R");
-  const ReadImage array = asOutput(image({{"R", {1}}, {"G", {1}}, {"B", {1}}}), "x.position.npy");
-  EXPECT_EQ(array.channels[2].name, "P.Z");
+  for (const char* name : {"x.position.npy", "x.position.NPY"}) {
+    const ReadImage array = asOutput(image({{"R", {1}}, {"G", {1}}, {"B", {1}}}), name);
+    EXPECT_EQ(array.channels[2].name, "P.Z") << name;
+  }
 }
 
 // Depth in PNG files is rounded to millimeters; one step is no difference.

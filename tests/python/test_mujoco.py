@@ -323,6 +323,12 @@ def test_meshes_without_texture_coordinates_have_sharp_edges():
     assert np.median((flat[:, None] * ball["normals"][ball["indices"]]).sum(axis=-1)) < 0.995, "not those of faces"
 
 
+def test_binary_models_have_names_in_any_case(tmp_path, model):
+    path = tmp_path / "MODEL.MJB"
+    mujoco.mj_saveModel(model, str(path))
+    assert len(latelight.from_mujoco(path).scene.nodes) == len(latelight.from_mujoco(model).scene.nodes) > 1
+
+
 def test_a_white_plane_has_the_diffuse_color_of_a_light_above(tmp_path):
     path = tmp_path / "plane.xml"
     path.write_text(

@@ -326,6 +326,7 @@ def test_techniques_without_an_option_are_left_out(folder):
         (["builtin:boxes", "-o", "x.png"], 2, "ends in .html"),
         (["builtin:boxes", "--runs", "0", "-o", "x.html"], 2, "--runs"),
         (["absent.glb", "-o", "x.html"], 3, "absent.glb"),
+        (["absent.glb", "-o", "X.HTML"], 3, "absent.glb"),
         (["builtin:boxes", "--device", "no such device", "-o", "x.html"], 4, "no such device"),
     ],
 )

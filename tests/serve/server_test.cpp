@@ -306,21 +306,21 @@ TEST_F(ServerTest, PicturesAreTheCommandLines) {
 TEST_F(ServerTest, AnEnvironmentIsSentByThePage) {
   const app::Folder folder;
   const models::Bytes sky = models::radiancePanorama(64, 32);
-  folder.write("sky.hdr", sky);
+  folder.write("SKY.HDR", sky);
   const std::string bytes(reinterpret_cast<const char*>(sky.data()), sky.size());
   Client page = resized();
   page.say({{"type", "option"}, {"name", "background"}, {"value", "hdri"}});
-  const uint64_t last = page.say({{"type", "file"}, {"name", "sky.hdr"}, {"bytes", bytes.size()}});
+  const uint64_t last = page.say({{"type", "file"}, {"name", "SKY.HDR"}, {"bytes", bytes.size()}});
   for (size_t at = 0; at < bytes.size(); at += 1000) page.sayBinary(bytes.substr(at, 1000));
   while (page.hearFinal().header["serial"] != last) continue;
-  EXPECT_EQ(page.state()["environment"], "sky.hdr");
+  EXPECT_EQ(page.state()["environment"], "SKY.HDR");
   EXPECT_EQ(screenshot(page), rendered(page.state()["leftCommand"], folder)) << page.state()["leftCommand"];
   page.say({{"type", "file"}, {"name", "broken.exr"}, {"bytes", 4}});
   page.sayBinary("none");
   do page.show(page.hear());
   while (page.state()["error"] == "");
   EXPECT_THAT(page.state()["error"].get<std::string>(), HasSubstr("broken.exr"));
-  EXPECT_EQ(page.state()["environment"], "sky.hdr");
+  EXPECT_EQ(page.state()["environment"], "SKY.HDR");
 }
 
 // Runs another server during its lifetime.

@@ -457,10 +457,10 @@ def test_an_environment_is_dropped(view):
     view.keyboard.press("Tab")
     settle(view)
     before = pixels(view)
-    drop(view, "dropped.hdr", panorama(64, 32))
-    view.wait_for_selector("#command:has-text('--hdri=dropped.hdr')")
+    drop(view, "DROPPED.HDR", panorama(64, 32))
+    view.wait_for_selector("#command:has-text('--hdri=DROPPED.HDR')")
     settle(view)
-    assert view.input_value("#environment") == "dropped.hdr"
+    assert view.input_value("#environment") == "DROPPED.HDR"
     assert numpy.abs(pixels(view) - before).mean() > 5
     drop(view, "scene.glb", b"glTF")
     view.get_by_text("scene.glb is not a .hdr or .exr file").wait_for()

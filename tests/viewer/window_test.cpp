@@ -237,8 +237,8 @@ TEST_F(WindowTest, ComesBackFromBeingSmallAndHidden) {
 }
 
 TEST_F(WindowTest, TakesFilesThatAreDropped) {
-  const std::string sky = folder_.at("a sky.hdr"), scene = models::modelPath("textured.glb").string();
-  folder_.write("a sky.hdr", models::radiancePanorama(64, 32));
+  const std::string sky = folder_.at("a SKY.HDR"), scene = models::modelPath("textured.glb").string();
+  folder_.write("a SKY.HDR", models::radiancePanorama(64, 32));
   waitFor(screenshot());
   const output::Picture lit = changes("an environment", [&] { dropFile(screen_.name(), 100, 100, sky); });
   std::vector<std::string> words = arguments("render");

@@ -279,7 +279,7 @@ $("stage").ondrop = (event) => {
 // What the server would close the connection for is said here.
 async function sendEnvironment(file) {
   const { most, piece } = tables.file;
-  if (!/\.(hdr|exr)$/.test(file.name)) return say(`${file.name} is not a .hdr or .exr file`);
+  if (!/\.(hdr|exr)$/i.test(file.name)) return say(`${file.name} is not a .hdr or .exr file`);
   if (file.size === 0 || file.size > most) return say(`${file.name} has ${file.size} bytes; 1 to ${most} can be sent`);
   const bytes = await file.arrayBuffer();
   sentFile = file;

@@ -1,9 +1,9 @@
 #include "data/batch/devices.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include "base/error.h"
+#include "base/lowercase.h"
 #include "base/text.h"
 
 namespace latelight::data {
@@ -15,7 +15,7 @@ std::string digitsOf(std::string_view uuid) {
   if (uuid.starts_with("GPU-")) uuid.remove_prefix(4);
   std::string digits;
   for (const char c : uuid)
-    if (c != '-') digits += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (c != '-') digits += lowercase(c);
   return digits;
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/lowercase.h"
 #include "data/batch/schema.h"
 #include "data/cameras/json_file.h"
 #include "data/extras.h"
@@ -95,7 +96,7 @@ void readFileOf(JobFormat& use, const std::string& option) {
   const auto value = use.options.find(option);
   if (value == use.options.end() || !value->is_string()) return;
   const auto file = value->get<std::string>();
-  if (!file.ends_with(".json")) return;
+  if (lowercaseExtension(file) != ".json") return;
   JsonDocument contents = readJson(file);
   *value = std::move(contents.json);
   use.memory = std::move(contents.memory);

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/lowercase.h"
 #include "base/text.h"
 #include "data/json_builder.h"
 
@@ -184,7 +185,7 @@ void JobDocument::forgetLines(const std::string& path) {
 
 JobDocument readJobFile(const std::filesystem::path& path) {
   JobDocument job{.name = path.string()};
-  const std::string ending = path.extension().string();
+  const std::string ending = lowercaseExtension(path);
   if (ending != ".json" && ending != ".yaml" && ending != ".yml")
     badUsage("the job \"{}\" does not end in a language; end it in .json, .yaml or .yml", job.name);
   const std::vector<std::byte> bytes = readFile(path);

@@ -4,6 +4,7 @@
 #include <ranges>
 
 #include "base/error.h"
+#include "base/lowercase.h"
 #include "data/cameras/optics.h"
 
 namespace latelight::data {
@@ -111,10 +112,10 @@ std::string stemOf(const std::string& picture) {
   const size_t dot = stem.rfind('.');
   const size_t slash = stem.rfind('/');
   // Only extensions of picture formats are removed, because names may be times with a decimal point.
-  constexpr std::string_view kEndings[] = {".png", ".jpg", ".jpeg", ".exr", ".tif", ".tiff", ".webp", ".bmp",
-                                           ".PNG", ".JPG", ".JPEG", ".EXR", ".TIF", ".TIFF", ".ppm",  ".npy"};
+  constexpr std::string_view kEndings[] = {".png",  ".jpg",  ".jpeg", ".exr", ".tif",
+                                           ".tiff", ".webp", ".bmp",  ".ppm", ".npy"};
   if (dot != stem.npos && (slash == stem.npos || dot > slash) &&
-      std::ranges::find(kEndings, stem.substr(dot)) != std::end(kEndings))
+      std::ranges::find(kEndings, lowercase(std::string(stem.substr(dot)))) != std::end(kEndings))
     stem = stem.substr(0, dot);
   return std::string(stem);
 }

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "base/lowercase.h"
 #include "data/cameras/json_file.h"
 #include "data/formats/shape_json.h"
 
@@ -33,7 +34,7 @@ uint64_t keyOf(const Shape& shape) {
 BopNumbers::BopNumbers(const Json* spec) {
   if (!spec) return;
   const std::string file = spec->is_string() ? spec->get<std::string>() : "";
-  const bool isFile = file.ends_with(".json");
+  const bool isFile = lowercaseExtension(file) == ".json";
   if (!isFile && !spec->is_structured()) badUsage("{}", kTakes);
   const Json contents = isFile ? readJson(file).json : *spec;
   contents.is_object() ? readRules(contents)

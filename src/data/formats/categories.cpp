@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/lowercase.h"
 #include "data/cameras/json_file.h"
 #include "data/formats/names.h"
 
@@ -35,7 +36,7 @@ Categories::Categories(std::string_view format, const Json* spec) : format_(form
   const std::string name = spec->is_string() ? spec->get<std::string>() : "";
   if (spec->is_object())
     readRules(*spec);
-  else if (name.ends_with(".json"))
+  else if (lowercaseExtension(name) == ".json")
     readRules(rulesIn(name));
   else if (name == "mesh" || name == "node" || name == "material")
     from_ = name;

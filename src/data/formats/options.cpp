@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "base/error.h"
+#include "base/lowercase.h"
 
 namespace latelight::data {
 
@@ -62,7 +63,7 @@ std::vector<output::Aov> FormatOptions::outputs(std::string_view key, const std:
 std::string FormatOptions::file(std::string_view key, std::string_view preset, std::string_view ending) {
   const std::string name = text(key, preset);
   const std::filesystem::path path(name);
-  if (path.is_absolute() || std::ranges::find(path, "..") != path.end() || !name.ends_with(ending))
+  if (path.is_absolute() || std::ranges::find(path, "..") != path.end() || !lowercase(name).ends_with(ending))
     wrong(key, fmt::format("a file below the data set's folder that ends in {}", ending));
   return name;
 }

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/lowercase.h"
 #include "base/memory.h"
 #include "data/variations/draws.h"
 #include "data/variations/pattern.h"
@@ -36,7 +37,7 @@ std::vector<std::string> picturesIn(const std::string& folder) {
   std::vector<std::string> pictures;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (std::ranges::find(kEndings, entry->path().extension().string()) != std::end(kEndings))
+    if (std::ranges::find(kEndings, lowercaseExtension(entry->path())) != std::end(kEndings))
       pictures.push_back(entry->path().string());
   if (error) badInput("cannot read {} as a folder of textures: {}", folder, error.message());
   if (pictures.empty()) badInput("{} has no images (.png, .jpg, .jpeg, .webp, .bmp or .tga)", folder);

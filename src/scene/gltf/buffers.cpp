@@ -7,6 +7,7 @@
 
 #include "base/allowed_folders.h"
 #include "base/error.h"
+#include "base/lowercase.h"
 #include "scene/gltf/document.h"
 #include "scene/gltf/json.h"
 
@@ -70,19 +71,9 @@ std::vector<std::byte> base64Decode(std::string_view text, const std::string& na
   return out;
 }
 
-// Compares the letters of ASCII regardless of their case.
-bool isEqualAnyCase(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
-  return std::ranges::equal(a, b, {}, lower, lower);
-}
-
-bool endsWithAnyCase(std::string_view text, std::string_view end) {
-  return text.size() >= end.size() && isEqualAnyCase(text.substr(text.size() - end.size()), end);
-}
-
 // Schemes of URIs are case-insensitive (RFC 3986, 3.1).
 bool isDataUri(std::string_view uri) {
-  return isEqualAnyCase(uri.substr(0, 5), "data:");
+  return lowercase(std::string(uri.substr(0, 5))) == "data:";
 }
 
 std::vector<std::byte> readDataUri(std::string_view uri, const std::string& name) {
@@ -92,7 +83,7 @@ std::vector<std::byte> readDataUri(std::string_view uri, const std::string& name
   const bool isEncoded = body.find('%') != std::string_view::npos;  // base64 usually is not
   const std::string decoded = isEncoded ? percentDecode(body) : std::string();
   if (isEncoded) body = decoded;
-  if (endsWithAnyCase(head, ";base64")) return base64Decode(body, name);
+  if (lowercase(std::string(head)).ends_with(";base64")) return base64Decode(body, name);
   auto* begin = reinterpret_cast<const std::byte*>(body.data());
   return {begin, begin + body.size()};
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/lowercase.h"
 #include "scene/builtin/builtin.h"
 #include "scene/gltf/load.h"
 #include "scene/ids.h"
@@ -17,16 +18,6 @@ namespace latelight::scene {
 namespace {
 
 constexpr std::string_view kBuiltin = "builtin:";
-
-bool endsWith(std::string_view text, std::string_view ending) {
-  if (text.size() < ending.size()) return false;
-  text.remove_prefix(text.size() - ending.size());
-  for (size_t i = 0; i < ending.size(); ++i) {
-    const char c = text[i];
-    if ((c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c) != ending[i]) return false;
-  }
-  return true;
-}
 
 enum class Format { Gltf, Obj, Ply, Stl, Unknown };
 
@@ -73,8 +64,9 @@ Format formatOfContents(const std::filesystem::path& path) {
 }
 
 Format formatOf(const std::string& source) {
+  const std::string ending = lowercaseExtension(source);
   for (const auto& [extension, format] : kExtensions)
-    if (endsWith(source, extension)) return format;
+    if (ending == extension) return format;
   return formatOfContents(source);
 }
 
@@ -101,9 +93,9 @@ void refuseConvertible(const std::string& source) {
                                                                            {".usda", "from_usd"},
                                                                            {".usdc", "from_usd"},
                                                                            {".usdz", "from_usd"}};
+  const std::string ending = lowercaseExtension(source);
   for (const auto& [extension, function] : kConverters)
-    if (endsWith(source, extension))
-      badInput("{} is read by the Python package only: use latelight.{}()", source, function);
+    if (ending == extension) badInput("{} is read by the Python package only: use latelight.{}()", source, function);
 }
 
 Scene loadFile(const std::string& source, const LoadOptions& options) {

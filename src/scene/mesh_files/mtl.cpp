@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/lowercase.h"
 #include "base/utf8.h"
 #include "scene/mesh_files/text.h"
 
@@ -43,8 +44,7 @@ class MtlParser {
       return;
     }
     if (!current_) return;  // a statement before the first material
-    std::string lower(key);
-    std::ranges::transform(lower, lower.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+    const std::string lower = lowercase(std::string(key));
     if (lower.starts_with("map_"))
       readMap(lower.substr(4), words);
     else if (lower == "bump" || lower == "norm")

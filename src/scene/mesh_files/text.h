@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/lowercase.h"
 
 namespace latelight::scene::mesh_files {
 
@@ -106,7 +107,7 @@ inline std::string_view unquoted(std::string_view name) {
 
 // Returns true if two words are equal, regardless of the case of ASCII letters. `lower` is in lower case.
 inline bool equalsIgnoringCase(std::string_view word, std::string_view lower) {
-  return std::ranges::equal(word, lower, [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a + 32 : a) == b; });
+  return std::ranges::equal(word, lower, [](char a, char b) { return lowercase(a) == b; });
 }
 
 }  // namespace latelight::scene::mesh_files
