@@ -198,6 +198,11 @@ class Uploader {
 // Bytes per texel of an uncompressed color or depth format in a buffer; for D24S8 and D32S8 only the depth.
 uint32_t texelBytes(VkFormat format);
 const char* formatName(VkFormat format);  // "R8G8B8A8_SRGB"
+// The type of a format's values, as in its name. Formats of depth, with or without stencil, have a kind of their own.
+enum class FormatKind { Unorm, Snorm, Uint, Sfloat, Ufloat, Srgb, Depth };
+FormatKind formatKind(VkFormat format);
+// Returns the number of color channels, without the exponent that those of E5B9G9R9 share; 1 for formats of depth.
+uint32_t channelCount(VkFormat format);
 bool isDepth(VkFormat format);
 bool hasStencil(VkFormat format);
 

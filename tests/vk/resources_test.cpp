@@ -174,12 +174,67 @@ TEST_F(DeviceTest, EmptyBuffersCanBeBound) {
   EXPECT_NE(buffer.address(), 0u);
 }
 
-TEST(Formats, HaveNamesSizesAndKinds) {
-  EXPECT_STREQ(formatName(VK_FORMAT_R8G8B8A8_SRGB), "R8G8B8A8_SRGB");
-  EXPECT_EQ(texelBytes(VK_FORMAT_R16G16B16A16_SFLOAT), 8u);
-  EXPECT_EQ(texelBytes(VK_FORMAT_B10G11R11_UFLOAT_PACK32), 4u);
-  EXPECT_TRUE(isDepth(VK_FORMAT_D32_SFLOAT));
-  EXPECT_FALSE(isDepth(VK_FORMAT_R32_SFLOAT));
+// The bytes of a texel in a buffer, the channels and their type are those of the Vulkan specification, "Formats". Depth
+// is copied without its stencil: 4 bytes for D24 and D32, 2 for D16.
+TEST(Formats, HaveNamesSizesChannelsAndKinds) {
+  using enum FormatKind;
+  struct Expected {
+    VkFormat format;
+    const char* name;
+    uint32_t bytes, channels;
+    FormatKind kind;
+  };
+  const Expected all[] = {
+      {VK_FORMAT_R8_UNORM, "R8_UNORM", 1, 1, Unorm},
+      {VK_FORMAT_R8_SNORM, "R8_SNORM", 1, 1, Snorm},
+      {VK_FORMAT_R8_UINT, "R8_UINT", 1, 1, Uint},
+      {VK_FORMAT_R8_SRGB, "R8_SRGB", 1, 1, Srgb},
+      {VK_FORMAT_R8G8_UNORM, "R8G8_UNORM", 2, 2, Unorm},
+      {VK_FORMAT_R8G8_SNORM, "R8G8_SNORM", 2, 2, Snorm},
+      {VK_FORMAT_R8G8_UINT, "R8G8_UINT", 2, 2, Uint},
+      {VK_FORMAT_R8G8_SRGB, "R8G8_SRGB", 2, 2, Srgb},
+      {VK_FORMAT_R8G8B8A8_UNORM, "R8G8B8A8_UNORM", 4, 4, Unorm},
+      {VK_FORMAT_R8G8B8A8_SNORM, "R8G8B8A8_SNORM", 4, 4, Snorm},
+      {VK_FORMAT_R8G8B8A8_UINT, "R8G8B8A8_UINT", 4, 4, Uint},
+      {VK_FORMAT_R8G8B8A8_SRGB, "R8G8B8A8_SRGB", 4, 4, Srgb},
+      {VK_FORMAT_B8G8R8A8_UNORM, "B8G8R8A8_UNORM", 4, 4, Unorm},
+      {VK_FORMAT_B8G8R8A8_SRGB, "B8G8R8A8_SRGB", 4, 4, Srgb},
+      {VK_FORMAT_A2B10G10R10_UNORM_PACK32, "A2B10G10R10_UNORM_PACK32", 4, 4, Unorm},
+      {VK_FORMAT_A2B10G10R10_UINT_PACK32, "A2B10G10R10_UINT_PACK32", 4, 4, Uint},
+      {VK_FORMAT_B10G11R11_UFLOAT_PACK32, "B10G11R11_UFLOAT_PACK32", 4, 3, Ufloat},
+      {VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, "E5B9G9R9_UFLOAT_PACK32", 4, 3, Ufloat},
+      {VK_FORMAT_R16_UNORM, "R16_UNORM", 2, 1, Unorm},
+      {VK_FORMAT_R16_SNORM, "R16_SNORM", 2, 1, Snorm},
+      {VK_FORMAT_R16_UINT, "R16_UINT", 2, 1, Uint},
+      {VK_FORMAT_R16_SFLOAT, "R16_SFLOAT", 2, 1, Sfloat},
+      {VK_FORMAT_R16G16_UNORM, "R16G16_UNORM", 4, 2, Unorm},
+      {VK_FORMAT_R16G16_SNORM, "R16G16_SNORM", 4, 2, Snorm},
+      {VK_FORMAT_R16G16_UINT, "R16G16_UINT", 4, 2, Uint},
+      {VK_FORMAT_R16G16_SFLOAT, "R16G16_SFLOAT", 4, 2, Sfloat},
+      {VK_FORMAT_R16G16B16A16_UNORM, "R16G16B16A16_UNORM", 8, 4, Unorm},
+      {VK_FORMAT_R16G16B16A16_SNORM, "R16G16B16A16_SNORM", 8, 4, Snorm},
+      {VK_FORMAT_R16G16B16A16_UINT, "R16G16B16A16_UINT", 8, 4, Uint},
+      {VK_FORMAT_R16G16B16A16_SFLOAT, "R16G16B16A16_SFLOAT", 8, 4, Sfloat},
+      {VK_FORMAT_R32_UINT, "R32_UINT", 4, 1, Uint},
+      {VK_FORMAT_R32_SFLOAT, "R32_SFLOAT", 4, 1, Sfloat},
+      {VK_FORMAT_R32G32_UINT, "R32G32_UINT", 8, 2, Uint},
+      {VK_FORMAT_R32G32_SFLOAT, "R32G32_SFLOAT", 8, 2, Sfloat},
+      {VK_FORMAT_R32G32B32A32_UINT, "R32G32B32A32_UINT", 16, 4, Uint},
+      {VK_FORMAT_R32G32B32A32_SFLOAT, "R32G32B32A32_SFLOAT", 16, 4, Sfloat},
+      {VK_FORMAT_R64_UINT, "R64_UINT", 8, 1, Uint},
+      {VK_FORMAT_D16_UNORM, "D16_UNORM", 2, 1, Depth},
+      {VK_FORMAT_X8_D24_UNORM_PACK32, "X8_D24_UNORM_PACK32", 4, 1, Depth},
+      {VK_FORMAT_D32_SFLOAT, "D32_SFLOAT", 4, 1, Depth},
+      {VK_FORMAT_D24_UNORM_S8_UINT, "D24_UNORM_S8_UINT", 4, 1, Depth},
+      {VK_FORMAT_D32_SFLOAT_S8_UINT, "D32_SFLOAT_S8_UINT", 4, 1, Depth},
+  };
+  for (const Expected& expected : all) {
+    EXPECT_STREQ(formatName(expected.format), expected.name);
+    EXPECT_EQ(texelBytes(expected.format), expected.bytes) << expected.name;
+    EXPECT_EQ(channelCount(expected.format), expected.channels) << expected.name;
+    EXPECT_EQ(formatKind(expected.format), expected.kind) << expected.name;
+    EXPECT_EQ(isDepth(expected.format), expected.kind == Depth) << expected.name;
+  }
   EXPECT_THROW(formatName(VK_FORMAT_UNDEFINED), Error);
 }
 

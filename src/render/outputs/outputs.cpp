@@ -60,7 +60,7 @@ const Source& sourceOf(Aov aov) {
 }
 
 bool holdsIntegers(VkFormat format) {
-  return std::string_view(vk::formatName(format)).ends_with("UINT");
+  return vk::formatKind(format) == vk::FormatKind::Uint;
 }
 
 }  // namespace

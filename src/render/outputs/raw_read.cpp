@@ -13,17 +13,22 @@ namespace {
 
 using output::TargetKind;
 
-// Derives the number and kind of channels from the format's name: R8G8B8A8_SRGB has four.
+TargetKind targetKindOf(VkFormat format) {
+  switch (vk::formatKind(format)) {
+    case vk::FormatKind::Srgb:
+      return TargetKind::Srgb;
+    case vk::FormatKind::Sfloat:
+    case vk::FormatKind::Ufloat:
+      return TargetKind::Float;
+    case vk::FormatKind::Uint:
+      return TargetKind::Words;
+    default:
+      return TargetKind::Unorm;
+  }
+}
+
 output::RawTarget describe(const char* name, const char* channels, VkFormat format) {
-  const std::string text = vk::formatName(format);
-  TargetKind kind = TargetKind::Unorm;
-  if (text.find("SRGB") != text.npos) kind = TargetKind::Srgb;
-  if (text.find("SFLOAT") != text.npos) kind = TargetKind::Float;
-  if (text.find("UINT") != text.npos) kind = TargetKind::Words;
-  uint32_t count = 0;
-  for (const char letter : {'R', 'G', 'B', 'A'})
-    for (size_t i = 0; i + 1 < text.size(); ++i) count += text[i] == letter && text[i + 1] >= '0' && text[i + 1] <= '9';
-  return {.name = name, .channels = channels, .kind = kind, .count = count};
+  return {.name = name, .channels = channels, .kind = targetKindOf(format), .count = vk::channelCount(format)};
 }
 
 void decode(output::RawTarget& target, VkFormat format, const std::byte* texels, size_t pixels) {

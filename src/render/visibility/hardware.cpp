@@ -17,8 +17,7 @@ constexpr size_t kMaxColors = 8;  // color attachments, which vk/choose.cpp requ
 
 // The format of a target that the shader declares but no pass reads: small, and nothing is written to it.
 VkFormat unusedFormat(VkFormat wanted) {
-  const bool integers = std::string_view(vk::formatName(wanted)).ends_with("UINT");
-  return integers ? VK_FORMAT_R8_UINT : VK_FORMAT_R8_UNORM;
+  return vk::formatKind(wanted) == vk::FormatKind::Uint ? VK_FORMAT_R8_UINT : VK_FORMAT_R8_UNORM;
 }
 
 }  // namespace

@@ -276,7 +276,7 @@ Gbuffer ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer gbuffer) co
     const std::string name = layout.name + " " + layout.targets[i].name;
     const bool stored = (wanted >> i & 1u) != 0;
     gbuffer.targets.push_back(stored ? createTarget(f, format, name, f.setup.samples) : nothing(format));
-    if (std::string_view(vk::formatName(format)).find("SRGB") != std::string_view::npos) srgb |= 1u << i;
+    if (vk::formatKind(format) == vk::FormatKind::Srgb) srgb |= 1u << i;
     bindings.storage(gbuffer.targets.back(), graph::Use::StorageWrite);
   }
   if (!gbuffer.sampleLight) gbuffer.sampleLight = nothing(kLightFormat);
