@@ -116,29 +116,25 @@ render::SceneState internalState(const Options& o, const render::Settings& s, co
   return moment;
 }
 
-namespace {
-
-constexpr double kLongestExposure = 1e4;  // seconds, as for the options
-
-}  // namespace
-
 double shutterOf(const Camera& camera, double usual) {
   const double shutter = camera.shutter.value_or(usual);
-  if (!(shutter >= 0 && shutter <= kLongestExposure))
-    badUsage("a camera's shutter must be from 0 to {} seconds, not {}", kLongestExposure, shutter);
+  static const render::Range& range = render::rangeOf("--shutter");
+  if (!range.holds(shutter))
+    badUsage("a camera's shutter must be from {} to {} seconds, not {}", range.least, range.most, shutter);
   return shutter;
 }
 
 double readoutOf(const Camera& camera, double usual) {
   const double readout = camera.readout.value_or(usual);
-  if (!(std::abs(readout) <= kLongestExposure))
-    badUsage("a camera's readout must be from {} to {} seconds, not {}", -kLongestExposure, kLongestExposure, readout);
+  static const render::Range& range = render::rangeOf("--readout");
+  if (!range.holds(readout))
+    badUsage("a camera's readout must be from {} to {} seconds, not {}", range.least, range.most, readout);
   return readout;
 }
 
 double exposureOf(const Camera& camera, double usual) {
   const double exposure = camera.exposure.value_or(usual);
-  if (!(std::abs(exposure) <= render::kMaxExposure))
+  if (!render::isValidExposure(exposure))
     badUsage("a camera's exposure must be from -{} to {} EV, not {}", render::kMaxExposure, render::kMaxExposure,
              exposure);
   return exposure;

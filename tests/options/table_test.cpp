@@ -114,6 +114,18 @@ TEST(OptionTable, ChoicesTakeTheirNamesAndNoOthers) {
   EXPECT_GT(names, 50u);
 }
 
+// Cameras of the API and of data sets have the limits of the options.
+TEST(OptionTable, HasTheLimitsOfExposures) {
+  EXPECT_EQ(rangeOf("--shutter").least, 0);
+  EXPECT_EQ(rangeOf("--shutter").most, 10'000);
+  EXPECT_EQ(rangeOf("--readout").least, -10'000);
+  EXPECT_EQ(rangeOf("--readout").most, 10'000);
+  EXPECT_THROW(rangeOf("shutter"), Error);
+  for (const double ev : {-60.0, 0.0, 60.0}) EXPECT_TRUE(isValidExposure(ev)) << ev;
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double ev : {-60.001, 60.001, infinity, -infinity, std::nan("")}) EXPECT_FALSE(isValidExposure(ev)) << ev;
+}
+
 // --- the C++ API ----------------------------------------------------------------------------------------------------
 
 using Change = std::function<void(latelight::Options&)>;

@@ -163,7 +163,9 @@ def test_cameras_with_their_own_exposure(half_plane):
         np.testing.assert_array_equal(frame["color"], expected["color"])
         np.testing.assert_array_equal(frame["id"], expected["id"])
     assert (result[0]["id"] != result[2]["id"]).any() and (result[1]["id"] != result[2]["id"]).any()
-    with pytest.raises(latelight.UsageError, match="a camera's shutter must be from 0"):
+    with pytest.raises(latelight.UsageError, match="a camera's shutter must be from 0 to 10000 seconds, not -1"):
         renderer.render(exposed(shutter=-1.0), SIZE)
+    with pytest.raises(latelight.UsageError, match="a camera's readout must be from -10000 to 10000 seconds, not 1e"):
+        renderer.render(exposed(readout=1e20), SIZE)
     with pytest.raises(latelight.UsageError, match="worlds are rendered at an instant"):
         renderer.render_worlds(1, exposed(shutter=0.1), SIZE)

@@ -1,5 +1,6 @@
 #include "render/options/options.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "base/error.h"
@@ -117,7 +118,7 @@ void addExposure(OptionTable<Settings>& table, Option option) {
         return s.exposure.automatic ? std::string(text) : fmt::format("{}", s.exposure.ev);
       },
       [](const Settings& s, const Option& o) {
-        if (!between(-kMaxExposure, kMaxExposure).holds(s.exposure.ev))
+        if (!isValidExposure(s.exposure.ev))
           badUsage("{} takes a number from -{} to {} EV, not \"{}\"", o.name, kMaxExposure, kMaxExposure,
                    s.exposure.ev);
       });
@@ -191,6 +192,12 @@ void refuse(const Option& option, std::string_view given) {
 
 std::span<const Option> options() {
   return table().options();
+}
+
+const Range& rangeOf(std::string_view name) {
+  const auto option = std::ranges::find(options(), name, &Option::name);
+  if (option == options().end()) fail(ExitCode::Internal, "There is no option {}.", name);
+  return option->range;
 }
 
 std::string read(Settings& settings, const Option& option, std::string_view text) {

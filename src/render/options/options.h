@@ -63,6 +63,8 @@ std::string rangeText(const Option& option);
 // The options of a picture, in the order of options.def. read() sets one from its text and returns the text as it
 // appears in metadata, or throws Error(Usage).
 std::span<const Option> options();
+// Returns the values that the option named "--shutter" accepts, for parts of jobs and scenes with the same meaning.
+const Range& rangeOf(std::string_view name);
 std::string read(Settings& settings, const Option& option, std::string_view text);
 
 // Throws Error(Usage) if a value is out of range, or if two contradict each other.

@@ -174,6 +174,10 @@ SunLight readText<SunLight>(const char* option, std::string_view text) {
   return sun;
 }
 
+bool isValidExposure(double ev) {
+  return std::abs(ev) <= kMaxExposure;
+}
+
 template <>
 Exposure readText<Exposure>(const char* option, std::string_view text) {
   const bool automatic = text.starts_with("auto");
@@ -182,7 +186,7 @@ Exposure readText<Exposure>(const char* option, std::string_view text) {
   const bool isSigned = number.starts_with('+') || number.starts_with('-');
   if (number.starts_with('+')) number.remove_prefix(1);
   const std::optional<double> ev = parseNumber<double>(number);
-  if (ev && (isSigned || !automatic) && std::abs(*ev) <= kMaxExposure) return {static_cast<float>(*ev), automatic};
+  if (ev && (isSigned || !automatic) && isValidExposure(*ev)) return {static_cast<float>(*ev), automatic};
   badUsage("{} takes a number from -{} to {} EV, auto, or auto with a compensation as in auto+1, not \"{}\"", option,
            kMaxExposure, kMaxExposure, text);
 }

@@ -87,8 +87,10 @@ struct SunLight {
   bool operator==(const SunLight&) const = default;
 };
 
-// The exposure of a picture: radiance is multiplied by 2^ev and, if automatic, by the factor of submit/metering.h.
 inline constexpr int kMaxExposure = 60;  // EV, in both directions
+bool isValidExposure(double ev);         // false for values that are not finite
+
+// The exposure of a picture: radiance is multiplied by 2^ev and, if automatic, by the factor of submit/metering.h.
 struct Exposure {
   float ev = 0;
   bool automatic = false;
