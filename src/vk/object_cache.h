@@ -39,7 +39,6 @@ class ObjectCache {
   // A pipeline that may never be needed. On a CPU device, whose cores are busy, it is created when it is first bound.
   PipelineRef perhaps(const GraphicsDesc& desc);
   VkSampler sampler(const SamplerDesc& desc);
-  VkSampler fetchSampler() { return sampler(kNearestSampler); }  // for images that are read only with texelFetch
   // Waits until no pipeline is being created.
   void finish();
   VkDescriptorSetLayout setLayout(const std::vector<Binding>& bindings);

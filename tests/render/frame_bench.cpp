@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "render/transparency/transparency.h"
+
 namespace latelight::render::test {
 
 FrameBench::FrameBench(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
@@ -51,6 +53,12 @@ FrameContext FrameBench::frame(graph::Graph& graph, const FrameConfig& setup, st
 
 const graph::Submission& FrameBench::run(const graph::Graph& graph) {
   return executor_.run(graph, graph.compile());
+}
+
+LitFrame addFrame(const FrameContext& f) {
+  const LitFrame lit = addOpaque(f);
+  addTransparency(f, lit.gbuffer);
+  return lit;
 }
 
 }  // namespace latelight::render::test

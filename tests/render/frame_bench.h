@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/frame/frame.h"
+#include "render/submit/frame_passes.h"
 #include "render/visibility/compute/compute.h"
 #include "render/visibility/hardware.h"
 
@@ -42,5 +43,8 @@ class FrameBench {
   };
   std::unique_ptr<Kept> kept_;
 };
+
+// Adds the passes of a frame with its blended surfaces.
+LitFrame addFrame(const FrameContext& f);
 
 }  // namespace latelight::render::test

@@ -1,5 +1,5 @@
 // Deferred shading: adds the passes of a frame to the graph, in this order: depth, G-buffer, shadow maps, ambient
-// occlusion, lighting, layered materials, ground, background, fog and transparency.
+// occlusion, lighting, layered materials, ground, background and fog.
 #include "render/submit/frame_passes.h"
 
 #include <utility>
@@ -17,7 +17,6 @@
 #include "render/shadow/pages.h"
 #include "render/shadow/ray_shadows.h"
 #include "render/shadow/sun_occlusion.h"
-#include "render/transparency/transparency.h"
 #include "render/visibility/visibility.h"
 
 namespace latelight::render {
@@ -118,12 +117,6 @@ LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   if (f.setup.fog && !multisampled) addFog(f, g);
   if (f.setup.ground && order == GroundOrder::OverPicture) addGround(f, g, order);
   return {g.light, g.lightCounts, g, shadows.state};
-}
-
-LitFrame addFrame(const FrameContext& f) {
-  const LitFrame lit = addOpaque(f);
-  addTransparency(f, lit.gbuffer);
-  return lit;
 }
 
 }  // namespace latelight::render

@@ -13,11 +13,10 @@ struct LitFrame {
   ShadowMapState shadowState;  // of the maps after this frame
 };
 
-// Adds the passes of a frame.
-LitFrame addFrame(const FrameContext& f);
-// The same without blended surfaces, which no G-buffer and no count includes.
+// Adds the passes of a frame without blended surfaces, which no G-buffer and no count includes. addTransparency()
+// blends them over the picture.
 LitFrame addOpaque(const FrameContext& f);
-// The same as addOpaque(), of surfaces that are known already.
+// The same as addOpaque(), for surfaces that are known already.
 LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible);
 
 }  // namespace latelight::render

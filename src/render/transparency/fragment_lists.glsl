@@ -9,7 +9,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TotalsRef { 
 
 // The sort key orders fragments back to front, and at exactly the same depth by draw order. No two fragments of a pixel
 // have equal keys.
-uint64_t sortKey(Fragment f) { return uint64_t(f.depth) << 32 | uint64_t(f.order); }
 uint64_t sortKeyOf(FragmentLists lists, uint fragment) {
   FragmentsRef fragments = FragmentsRef(lists.fragments);
   return uint64_t(fragments.v[fragment].depth) << 32 | uint64_t(fragments.v[fragment].order);
