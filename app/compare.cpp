@@ -38,9 +38,10 @@ struct Arguments {
 
 // --- results ---------------------------------------------------------------------------------------------------------
 
+// JSON has neither infinity nor NaN.
 Json number(double value) {
   if (std::isfinite(value)) return value;
-  return "inf";
+  return std::isnan(value) ? Json(nullptr) : Json("inf");
 }
 
 std::string_view nameOf(Measure measure) {
@@ -86,7 +87,10 @@ std::string errorsOf(const OutputDifference& d) {
   else if (d.maximum > 0)
     text += fmt::format(" (at {},{})", d.worstX, d.worstY);
   text += fmt::format(", mean {:.6g}, ", d.mean);
-  if (d.measure == Measure::Color) text += fmt::format("PSNR {:.2f} dB, FLIP {:.4f}, ", d.psnr, d.flip);
+  if (d.measure == Measure::Color) {
+    const std::string psnr = std::isnan(d.psnr) ? "undefined" : fmt::format("{:.2f} dB", d.psnr);
+    text += fmt::format("PSNR {}, FLIP {:.4f}, ", psnr, d.flip);
+  }
   return text;
 }
 

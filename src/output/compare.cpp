@@ -26,10 +26,6 @@ double defaultTolerance(ChannelType type) {
   }
 }
 
-bool isUnorm(const Channel& channel) {
-  return channel.type == ChannelType::Unorm8 || channel.type == ChannelType::Unorm16;
-}
-
 // The same channel of both images.
 struct Pair {
   const Channel* a;
@@ -98,20 +94,6 @@ std::vector<Pair> pairsOf(const ReadImage& a, const ReadImage& b, const CompareO
   return pairs;
 }
 
-double peakOf(const std::vector<Pair>& pairs) {
-  double peak = 0;
-  for (const Pair& pair : pairs) {
-    if (isUnorm(*pair.a)) {
-      peak = std::max(peak, 1.0);
-      continue;
-    }
-    for (const Channel* channel : {pair.a, pair.b})
-      for (const double value : channel->values)
-        if (std::isfinite(value)) peak = std::max(peak, std::abs(value));
-  }
-  return peak;
-}
-
 void findWorst(const std::vector<Pair>& pairs, uint32_t width, Comparison& result) {
   for (const Pair& pair : pairs) {
     for (size_t i = 0; i < pair.a->values.size(); ++i) {
@@ -158,9 +140,9 @@ Comparison compare(const ReadImage& a, const ReadImage& b, const CompareOptions&
     }
   }
   for (size_t i = 0; i < result.pixels; ++i) result.beyond += worstExcess(pairs, i) > 1 ? 1 : 0;
-  const double peak = peakOf(pairs);
   result.mean = count ? sum / static_cast<double>(count) : 0;
-  result.psnr = squares > 0 ? 10 * std::log10(peak * peak * static_cast<double>(count) / squares) : kInf;
+  result.psnr = squares > 0 ? 10 * std::log10(static_cast<double>(count) / squares) : kInf;
+  if (result.unlike > 0) result.psnr = std::numeric_limits<double>::quiet_NaN();
   return result;
 }
 

@@ -27,8 +27,8 @@ struct Comparison {
   // them.
   double maximum = 0;
   double mean = 0;
-  // PSNR in decibels: 10 log10(peak^2 / mean square). The peak is the largest finite magnitude in either image, or 1 if
-  // the first image is a PNG. Infinite if the images do not differ.
+  // PSNR in decibels with a data range of 1, which colors have: -10 log10 of the mean square over the same values.
+  // Infinite if the images do not differ, and NaN if `unlike` is not 0, because there is no mean square then.
   double psnr = 0;
   uint64_t pixels = 0;  // pixels per image
   uint64_t beyond = 0;  // pixels with a value beyond tolerance
