@@ -27,7 +27,7 @@ using output::OutputDifference;
 
 struct Arguments {
   std::string first, second;
-  std::vector<std::string> tolerances;  // "T" or "OUTPUT=T"
+  std::string tolerances;  // "T" or "OUTPUT=T", comma-separated
   double share = 0;
   double flip = -1;  // below 0: colors are judged by the tolerance
   std::optional<double> pixelsPerDegree;
@@ -115,11 +115,18 @@ double toleranceOf(std::string_view text) {
 output::OutputOptions optionsOf(const Arguments& arguments) {
   output::OutputOptions options{.channels = arguments.channels,
                                 .pixelsPerDegree = arguments.pixelsPerDegree.value_or(output::kPixelsPerDegree)};
-  for (const std::string& text : arguments.tolerances)
-    if (const size_t equals = text.find('='); equals == std::string::npos)
+  if (arguments.tolerances.empty()) return options;
+  for (const std::string_view text : splitAtCommas(arguments.tolerances)) {
+    const size_t equals = text.find('=');
+    if (equals == std::string_view::npos) {
+      if (options.tolerance) badUsage("--tolerance has two numbers for all outputs: omit one");
       options.tolerance = toleranceOf(text);
-    else
-      options.tolerances[text.substr(0, equals)] = toleranceOf(std::string_view(text).substr(equals + 1));
+      continue;
+    }
+    const std::string name(text.substr(0, equals));
+    if (!options.tolerances.try_emplace(name, toleranceOf(text.substr(equals + 1))).second)
+      badUsage("--tolerance has two numbers for \"{}\": omit one", name);
+  }
   return options;
 }
 
@@ -194,11 +201,11 @@ void addCompareCommand(CLI::App& app) {
       ->add_option(
           "--tolerance", arguments->tolerances,
           "Largest error of a pixel: T for all outputs except ids, or OUTPUT=T, comma-separated. Colors: |a-b| <= T "
-          "max(1, |a|, |b|), PNG values being in [0, 1]; default: one level for 8 and 16 bits, 1e-4 for floats. "
+          "max(1, |a|, |b|), PNG values being in [0, 1]; default: one level for 8 and 16 bits, 1e-4 for floats. Colors "
+          "of a PNG are converted to linear, premultiplied ones if the other file is an EXR or NPY. "
           "Depth, distance and positions: relative, 1e-4. Normals and tangents: degrees, 0.01. Motion: pixels, 0.01. "
           "Ids and triangles: equal. All others: as colors")
-      ->type_name("LIST")
-      ->delimiter(',');
+      ->type_name("LIST");
   command
       ->add_option("--share", arguments->share,
                    "Alike if at most this share of each output's pixels is beyond; default 0")

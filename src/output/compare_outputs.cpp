@@ -47,8 +47,9 @@ bool hasAll(const std::set<std::string>& channels, std::span<const std::string_v
 // Removes the channels of an output from `left` and returns them as a group. Returns nothing if one is missing.
 std::optional<Group> takeOutput(const AovInfo& aov, std::set<std::string>& left) {
   std::span<const std::string_view> wanted = std::span(aov.exrChannels).first(aov.channels);
-  // Color may lack the alpha channel (coverage).
+  // Color may lack the alpha channel (coverage), and motion the one to the next frame.
   if (aov.aov == Aov::Color && !hasAll(left, wanted)) wanted = wanted.first(3);
+  if (aov.aov == Aov::Motion && !hasAll(left, wanted)) wanted = wanted.first(2);
   if (!hasAll(left, wanted)) return std::nullopt;
   Group group{std::string(aov.name), measureOf(aov), {}};
   for (const std::string_view name : wanted) {
@@ -69,15 +70,19 @@ bool isPng(const ReadImage& image) {
   });
 }
 
-std::vector<Group> groupsOf(const ReadImage& image, const std::vector<std::string>& chosen) {
+// Returns true for a PNG file of colors or grays. Files that asOutput() decoded have other channels.
+bool isColorPng(const ReadImage& image) {
+  return isPng(image) && (image.find("R") || image.find("Y"));
+}
+
+std::vector<Group> groupsOf(const ReadImage& image, const std::vector<std::string>& chosen, bool grayIsColor) {
   std::set<std::string> left;
   for (const Channel& channel : image.channels)
     if (chosen.empty() || std::ranges::find(chosen, channel.name) != chosen.end()) left.insert(channel.name);
   std::vector<Group> groups;
   for (const AovInfo& aov : aovs())
     if (auto group = takeOutput(aov, left)) groups.push_back(*std::move(group));
-  // A gray PNG counts as color, too.
-  if (isPng(image) && left.contains("Y")) {
+  if (grayIsColor && left.contains("Y")) {
     groups.push_back({"color", Measure::Color, {"Y"}});
     left.erase("Y");
     if (left.erase("A")) groups.back().channels.emplace_back("A");
@@ -183,21 +188,39 @@ bool isCoverage(const std::string& channel) {
   return channel == "A";
 }
 
-// Clamps to [0, 1], because FLIP compares images that a screen can show. Pixels of a PNG are composited over black; in
-// other files alpha is premultiplied already.
-LinearPicture linearOf(const ReadImage& image, const std::vector<std::string>& channels) {
+// Returns the colors of a PNG file as float files store them: linear and premultiplied with alpha.
+ReadImage linearOf(const ReadImage& image) {
+  ReadImage result = image;
+  const Channel* coverage = image.find("A");
+  for (Channel& channel : result.channels) {
+    channel.type = ChannelType::Float;
+    if (isCoverage(channel.name)) continue;
+    for (size_t i = 0; i < channel.values.size(); ++i)
+      channel.values[i] =
+          linearFromSrgb(static_cast<float>(channel.values[i])) * (coverage ? coverage->values[i] : 1.0);
+  }
+  return result;
+}
+
+// Returns the largest step between two levels of a PNG file in linear colors, or the tolerance of floats if that is
+// larger.
+double linearTolerance(const ReadImage& png) {
+  constexpr double kFloatTolerance = 1e-4;
+  const float levels = png.channels.front().type == ChannelType::Unorm16 ? 65535.0f : 255.0f;
+  return std::max(1.0 - linearFromSrgb((levels - 1) / levels), kFloatTolerance);
+}
+
+// Returns what a screen shows of the colors, over black: FLIP compares linear values in [0, 1].
+LinearPicture shownOnScreen(const ReadImage& image, const std::vector<std::string>& channels) {
+  const ReadImage linear = isColorPng(image) ? linearOf(image) : image;
   std::vector<const Channel*> colors;
-  const Channel* coverage = nullptr;
   for (const std::string& name : channels)
-    isCoverage(name) ? void(coverage = image.find(name)) : colors.push_back(image.find(name));
+    if (!isCoverage(name)) colors.push_back(linear.find(name));
   LinearPicture picture{image.width, image.height, std::vector<glm::dvec3>(size_t{image.width} * image.height)};
   for (size_t i = 0; i < picture.rgb.size(); ++i)
     for (int c = 0; c < 3; ++c) {
-      const Channel& channel = *colors[std::min<size_t>(static_cast<size_t>(c), colors.size() - 1)];
-      const bool coded = channel.type == ChannelType::Unorm8 || channel.type == ChannelType::Unorm16;
-      const double value = channel.values[i] > 0 ? std::min(channel.values[i], 1.0) : 0;  // NaN becomes 0
-      const double seen = coded && coverage ? value * coverage->values[i] : value;
-      picture.rgb[i][c] = coded ? linearFromSrgb(static_cast<float>(seen)) : seen;
+      const double value = colors[std::min<size_t>(static_cast<size_t>(c), colors.size() - 1)]->values[i];
+      picture.rgb[i][c] = value > 0 ? std::min(value, 1.0) : 0;  // NaN becomes 0
     }
   return picture;
 }
@@ -218,13 +241,18 @@ void measureChannels(const ReadImage& a, const ReadImage& b, std::optional<doubl
 }
 
 double meanFlip(const ReadImage& a, const ReadImage& b, const OutputDifference& result, double pixelsPerDegree) {
-  const std::vector<double> errors = flip(linearOf(a, result.channels), linearOf(b, result.channels), pixelsPerDegree);
+  const std::vector<double> errors =
+      flip(shownOnScreen(a, result.channels), shownOnScreen(b, result.channels), pixelsPerDegree);
   double sum = 0;
   for (const double error : errors) sum += error;
   return errors.empty() ? 0 : sum / static_cast<double>(errors.size());
 }
 
-OutputDifference measure(const ReadImage& a, const ReadImage& b, const Group& group, const OutputOptions& options) {
+struct MeasureOptions : OutputOptions {
+  std::optional<double> defaultTolerance;  // of colors and differences, if it does not follow from the channels' types
+};
+
+OutputDifference measure(const ReadImage& a, const ReadImage& b, const Group& group, const MeasureOptions& options) {
   OutputDifference result{.output = group.name, .channels = group.channels, .measure = group.measure};
   result.pixels = uint64_t{a.width} * a.height;
   std::optional<double> tolerance = group.measure == Measure::Identity ? std::nullopt : options.tolerance;
@@ -234,7 +262,7 @@ OutputDifference measure(const ReadImage& a, const ReadImage& b, const Group& gr
              *tolerance);
   result.tolerance = tolerance.value_or(defaultTolerance(group.measure));
   if (group.measure == Measure::Color || group.measure == Measure::Difference) {
-    measureChannels(a, b, tolerance, result);
+    measureChannels(a, b, tolerance ? tolerance : options.defaultTolerance, result);
     if (group.measure == Measure::Color) result.flip = meanFlip(a, b, result, options.pixelsPerDegree);
     return result;
   }
@@ -321,19 +349,26 @@ ReadImage asOutput(const ReadImage& image, const std::filesystem::path& path) {
     const bool decodes = aov->png != PngCoding::None && aov->png != PngCoding::Srgb;
     return decodes && image.channels.size() == needed ? decodedPng(image, *aov) : image;
   }
-  if (lowercaseExtension(path) != ".npy" || image.channels.size() != aov->channels) return image;
+  const size_t count = image.channels.size();
+  const bool fits = count == aov->channels || (aov->aov == Aov::Motion && count == 2);  // to the previous frame only
+  if (lowercaseExtension(path) != ".npy" || !fits) return image;
   ReadImage renamed = image;
-  for (uint32_t c = 0; c < aov->channels; ++c) renamed.channels[c].name = aov->exrChannels[c];
+  for (size_t c = 0; c < count; ++c) renamed.channels[c].name = aov->exrChannels[c];
   return renamed;
 }
 
 std::vector<OutputDifference> compareOutputs(const ReadImage& a, const ReadImage& b, const OutputOptions& options) {
   checkComparable(a, b, {options.tolerance, options.channels});
-  ReadImage other = b;
+  const bool isPngA = isColorPng(a), isPngB = isColorPng(b);
+  MeasureOptions measureOptions{options, std::nullopt};
+  if (isPngA != isPngB) measureOptions.defaultTolerance = linearTolerance(isPngA ? a : b);
+  const ReadImage first = isPngA && !isPngB ? linearOf(a) : a;
+  ReadImage second = isPngB && !isPngA ? linearOf(b) : b;
   // The name of a single channel depends on the file format, so it is replaced.
-  if (options.channels.empty() && a.channels.size() == 1) other.channels[0].name = a.channels[0].name;
+  if (options.channels.empty() && a.channels.size() == 1) second.channels[0].name = a.channels[0].name;
   std::vector<OutputDifference> results;
-  for (const Group& group : groupsOf(a, options.channels)) results.push_back(measure(a, other, group, options));
+  for (const Group& group : groupsOf(first, options.channels, isPngA || isPngB))
+    results.push_back(measure(first, second, group, measureOptions));
   for (const auto& [name, tolerance] : options.tolerances)
     if (std::ranges::find(results, name, &OutputDifference::output) == results.end())
       badUsage("--tolerance names the output \"{}\", which the files do not have", name);

@@ -14,7 +14,7 @@
 namespace latelight::output {
 
 enum class Measure {
-  Color,       // PSNR and FLIP
+  Color,       // the largest |a - b| of the channels; for all pixels also PSNR and FLIP
   Relative,    // |a - b| / max(|a|, |b|), of lengths and positions
   Angle,       // degrees between two directions
   Identity,    // equal or not
@@ -39,7 +39,7 @@ struct OutputDifference {
   uint64_t pixels = 0;              // pixels of the image
   uint64_t beyond = 0;              // pixels above the tolerance, and pixels that only one file has
   uint64_t unlike = 0;              // infinite, NaN or background in one file only
-  double psnr = 0, flip = 0;        // Color only; decibels, and the mean from 0 to 1
+  double psnr = 0, flip = 0;        // Color only; as in Comparison, and the mean from 0 to 1
   double share() const { return pixels ? static_cast<double>(beyond) / static_cast<double>(pixels) : 0; }
 
   std::vector<double> excesses;  // by pixel, in units of the tolerance
@@ -56,7 +56,10 @@ struct OutputOptions {
 // that output. Returns any other image unchanged.
 ReadImage asOutput(const ReadImage& image, const std::filesystem::path& path);
 
-// Returns the differences in the order of the table of outputs. Throws Error(BadInput) if sizes or channels differ.
+// Returns the differences in the order of the table of outputs. The colors of two PNG files are compared as stored:
+// sRGB codes, with straight alpha. If only one file is a PNG, its colors are first converted to those of a float file,
+// which are linear and premultiplied with alpha; the default tolerance is then one level next to white, where levels
+// are largest. FLIP always compares linear, premultiplied colors. Throws Error(BadInput) if sizes or channels differ.
 // Throws Error(Usage) for a channel that neither image has, and for a tolerance of an output that is absent or of ids.
 std::vector<OutputDifference> compareOutputs(const ReadImage& a, const ReadImage& b, const OutputOptions& options = {});
 

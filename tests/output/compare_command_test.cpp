@@ -106,6 +106,31 @@ TEST_F(CompareCommand, MeasuresEachOutput) {
   EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "depth="}), 2);
 }
 
+// JSON has no NaN.
+TEST_F(CompareCommand, HasNoPsnrIfAPixelIsNan) {
+  AovImage color = makeAovImage(Aov::Color, 1, 1);
+  color.values.assign(color.values.size(), 0.5f);
+  writeFile(at("a.npy"), encodeNpy(color));
+  color.values[0] = std::numeric_limits<float>::quiet_NaN();
+  writeFile(at("b.npy"), encodeNpy(color));
+  EXPECT_EQ(run({at("a.npy"), at("b.npy")}), 1);
+  EXPECT_THAT(printed, HasSubstr("PSNR undefined"));
+  EXPECT_THAT(printed, HasSubstr("1 values are infinite"));
+  EXPECT_EQ(run({at("a.npy"), at("b.npy"), "--json"}), 1);
+  const auto json = nlohmann::json::parse(printed)["outputs"]["color"];
+  EXPECT_TRUE(json["psnr"].is_null());
+  EXPECT_EQ(json["unlike"], 1);
+}
+
+TEST_F(CompareCommand, RejectsTwoTolerancesOfAnOutput) {
+  EXPECT_EQ(run({at("a.png"), at("a.png"), "--tolerance", "color=1,color=2"}), 2);
+  EXPECT_THAT(message, HasSubstr("two numbers for \"color\""));
+  EXPECT_EQ(run({at("a.png"), at("a.png"), "--tolerance", "1,2"}), 2);
+  EXPECT_THAT(message, HasSubstr("two numbers for all outputs"));
+  EXPECT_EQ(run({at("a.png"), at("a.png"), "--tolerance", "1", "--tolerance", "2"}), 2);
+  EXPECT_EQ(run({at("a.png"), at("a.png"), "--tolerance", "1,color=2"}), 0);
+}
+
 // Compares colors with a perceptual metric.
 TEST_F(CompareCommand, JudgesByFlip) {
   run({at("a.png"), at("b.png"), "--json"});

@@ -158,6 +158,66 @@ TEST(CompareOutputs, TolerancesAreByOutput) {
   EXPECT_THAT(sentence(ExitCode::Usage, [&] { compareOutputs(a, b, options); }), HasSubstr("\"normal\""));
 }
 
+// --- colors of PNG files and of float files --------------------------------------------------------------------------
+
+// The sRGB code 188/255 is 0.502886 in linear light (IEC 61966-2-1: ((c + 0.055) / 1.055)^2.4).
+constexpr double kLinear188 = 0.502886;
+
+TEST(CompareOutputs, ColorsOfPngAreLinearNextToFloats) {
+  const double code = 188 / 255.0;
+  const ReadImage png = image({{"R", {code}}, {"G", {0}}, {"B", {1}}}, ChannelType::Unorm8),
+                  alike = image({{"R", {kLinear188}}, {"G", {0}}, {"B", {1}}}),
+                  codes = image({{"R", {code}}, {"G", {0}}, {"B", {1}}});
+  for (const auto& [a, b] : {std::pair(png, alike), std::pair(alike, png)}) {
+    const OutputDifference d = compareOutputs(a, b)[0];
+    EXPECT_NEAR(d.maximum, 0, 1e-6);
+    EXPECT_NEAR(d.flip, 0, 1e-4);
+    EXPECT_EQ(d.beyond, 0u);
+  }
+  const OutputDifference d = compareOutputs(png, codes)[0];
+  EXPECT_NEAR(d.maximum, code - kLinear188, 1e-6);
+  EXPECT_NEAR(d.psnr, 10 * std::log10(3 / std::pow(code - kLinear188, 2)), 1e-3);
+  EXPECT_EQ(d.beyond, 1u);
+  // Selected channels are converted, too.
+  EXPECT_NEAR(compareOutputs(png, alike, {.channels = {"R"}})[0].maximum, 0, 1e-6);
+}
+
+// Rounding to 8 bits changes linear values next to white by up to 0.0045, half the step between two levels.
+TEST(CompareOutputs, RoundingToALevelIsNoDifference) {
+  for (int level = 1; level <= 255; ++level) {
+    const double coded = (level - 0.499) / 255;
+    const double linear = coded <= 0.04045 ? coded / 12.92 : std::pow((coded + 0.055) / 1.055, 2.4);
+    EXPECT_EQ(compareOutputs(image({{"Y", {level / 255.0}}}, ChannelType::Unorm8), image({{"Y", {linear}}}))[0].beyond,
+              0u)
+        << level;
+  }
+  EXPECT_EQ(compareOutputs(image({{"Y", {1}}}, ChannelType::Unorm8), image({{"Y", {0.98}}}))[0].beyond, 1u);
+}
+
+// Alpha is straight in PNG files and premultiplied in float files.
+TEST(CompareOutputs, AlphaOfPngIsPremultipliedNextToFloats) {
+  const double code = 188 / 255.0, half = 0.5 * kLinear188;
+  const ReadImage png = image({{"R", {code}}, {"G", {code}}, {"B", {code}}, {"A", {0.5}}}, ChannelType::Unorm8),
+                  floats = image({{"R", {half}}, {"G", {half}}, {"B", {half}}, {"A", {0.5}}});
+  const OutputDifference d = compareOutputs(floats, png)[0];
+  EXPECT_NEAR(d.maximum, 0, 1e-6);
+  EXPECT_NEAR(d.flip, 0, 1e-4);
+  // Two PNG files: FLIP judges what is visible over black, and the maximum the stored codes.
+  const ReadImage clear = image({{"R", {code}}, {"G", {0}}, {"B", {0}}, {"A", {0}}}, ChannelType::Unorm8),
+                  black = image({{"R", {0}}, {"G", {0}}, {"B", {0}}, {"A", {0}}}, ChannelType::Unorm8);
+  EXPECT_EQ(compareOutputs(clear, black)[0].flip, 0);
+  EXPECT_NEAR(compareOutputs(clear, black)[0].maximum, code, 1e-12);
+}
+
+TEST(CompareOutputs, GrayPngIsColorInBothOrders) {
+  const ReadImage png = image({{"Y", {188 / 255.0}}}, ChannelType::Unorm8), floats = image({{"Y", {kLinear188}}});
+  for (const auto& [a, b] : {std::pair(png, floats), std::pair(floats, png)}) {
+    const OutputDifference d = compareOutputs(a, b)[0];
+    EXPECT_EQ(d.output, "color");
+    EXPECT_NEAR(d.maximum, 0, 1e-6);
+  }
+}
+
 // --- files that are named after an output ---------------------------------------------------------------------------
 
 TEST(AsOutput, DecodesPngByItsName) {
@@ -178,6 +238,15 @@ TEST(AsOutput, DecodesPngByItsName) {
     const ReadImage array = asOutput(image({{"R", {1}}, {"G", {1}}, {"B", {1}}}), name);
     EXPECT_EQ(array.channels[2].name, "P.Z") << name;
   }
+}
+
+// Some tools store only the motion to the previous frame.
+TEST(AsOutput, MotionMayHaveTwoChannels) {
+  const auto motion = [](double x, double y) { return asOutput(image({{"Y", {x}}, {"A", {y}}}), "a/motion.npy"); };
+  const std::vector<OutputDifference> all = compareOutputs(motion(1, 1), motion(4, 5));
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].output, "motion");
+  EXPECT_NEAR(all[0].maximum, 5, 1e-12);
 }
 
 // Depth in PNG files is rounded to millimeters; one step is no difference.
