@@ -105,6 +105,17 @@ class MtlWriter {
            hasAlpha(scene_.textures[size_t(material_->slots[shared::kTextureBaseColor].texture)]);
   }
 
+  // MTL repeats a texture in both directions or clamps it in both.
+  std::string wrapOption(const Sampler& sampler) const {
+    if (sampler.wrapU == Wrap::Clamp && sampler.wrapV == Wrap::Clamp) return " -clamp on";
+    if (sampler.wrapU != Wrap::Repeat || sampler.wrapV != Wrap::Repeat)
+      warn(
+          "the material {} has a texture that is mirrored, or clamped in one direction only, which MTL does not "
+          "define: it repeats in the OBJ file",
+          material_->name);
+    return "";
+  }
+
   // MTL's v points up: glTF's v s + t is 1 - ((1 - v) s + o) with o = 1 - s - t.
   void addMap(const std::string& statement, uint32_t slot) {
     if (!isUsed(slot)) return;
@@ -127,7 +138,7 @@ class MtlWriter {
     if (t.row0.x != 1 || t.row1.y != 1) options += fmt::format(" -s {} {} 1", t.row0.x, t.row1.y);
     const float down = 1 - t.row1.y - t.row1.z;
     if (t.row0.z != 0 || down != 0) options += fmt::format(" -o {} {} 0", t.row0.z, down);
-    if (source.sampler.wrapU == Wrap::Clamp && source.sampler.wrapV == Wrap::Clamp) options += " -clamp on";
+    options += wrapOption(source.sampler);
     library_.text += fmt::format("{}{} {}\n", statement, options, name);
   }
 

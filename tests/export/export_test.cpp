@@ -1,4 +1,5 @@
 // Exported files, loaded again: the same ids, geometry, materials, lights, cameras, animations and variants.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,6 +13,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/hash.h"
+#include "base/log.h"
 #include "export/export.h"
 #include "export/formats.h"
 #include "models/models.h"
@@ -26,7 +28,9 @@
 namespace latelight::scene::test {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 Scene exported(const Scene& scene, const char* name = "out.glb", const LoadOptions& options = {}) {
   const app::Folder folder;
@@ -955,6 +959,36 @@ TEST(Export, GeometryIsWrittenToObjAndPly) {
     EXPECT_EQ(again.triangleCount(), scene.triangleCount()) << name;
     EXPECT_LT(glm::length(worldBounds(again).min - bounds.min), 1e-5) << name;
     EXPECT_LT(glm::length(worldBounds(again).max - bounds.max), 1e-5) << name;
+  }
+}
+
+// MTL has -clamp on for both directions, and repeats a texture otherwise.
+TEST(Export, ObjFilesWarnOfTexturesThatRepeatInstead) {
+  Scene scene = load(models::modelPath("textured.glb").string());
+  const auto floor = std::ranges::find_if(scene.materials, [](const Material& material) {
+    return material.slots[shared::kTextureBaseColor].texture >= 0 &&
+           material.data.transforms[shared::kTextureBaseColor].row0.y == 0;
+  });
+  ASSERT_NE(floor, scene.materials.end());
+  const auto exportedWith = [&](Wrap wrapU, Wrap wrapV) {
+    for (Material& material : scene.materials)
+      for (TextureSlot& slot : material.slots) slot.sampler.wrapU = slot.sampler.wrapV = Wrap::Repeat;
+    Sampler& sampler = floor->slots[shared::kTextureBaseColor].sampler;
+    sampler.wrapU = wrapU, sampler.wrapV = wrapV;
+    std::vector<std::string> warnings;
+    const WarningCapture capture(warnings);
+    const std::string library = exports::encodeMtl(scene, "out").text;
+    return std::pair(fmt::format("{}", fmt::join(warnings, "\n")), library.find("-clamp on") != library.npos);
+  };
+  EXPECT_THAT(exportedWith(Wrap::Repeat, Wrap::Repeat).first, Not(HasSubstr("repeats")));
+  EXPECT_FALSE(exportedWith(Wrap::Repeat, Wrap::Repeat).second);
+  EXPECT_THAT(exportedWith(Wrap::Clamp, Wrap::Clamp).first, Not(HasSubstr("repeats")));
+  EXPECT_TRUE(exportedWith(Wrap::Clamp, Wrap::Clamp).second);
+  for (const auto& [u, v] : {std::pair(Wrap::Mirror, Wrap::Mirror), std::pair(Wrap::Clamp, Wrap::Mirror),
+                             std::pair(Wrap::Clamp, Wrap::Repeat), std::pair(Wrap::Repeat, Wrap::Clamp)}) {
+    const auto [warnings, isClamped] = exportedWith(u, v);
+    EXPECT_THAT(warnings, AllOf(HasSubstr(floor->name), HasSubstr("repeats in the OBJ file")));
+    EXPECT_FALSE(isClamped);
   }
 }
 
