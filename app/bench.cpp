@@ -1,4 +1,5 @@
-// `latelight bench`: measures device times pass by pass, alternating between the rasters unless --raster chooses one.
+// `latelight bench`: measures device times pass by pass, alternating between the rasters that are possible unless
+// --raster chooses one.
 #include "study/bench.h"
 
 #include <fmt/core.h>
@@ -46,7 +47,10 @@ void print(const vk::Device& device, const study::Table& table, bool json, const
 void runRaster(BenchArguments& a) {
   const std::optional<uint64_t> most = scene::parseCount(a.most);
   if (!most || *most == 0) badUsage("--most takes a number of triangles, as in 500k or 10M, not \"{}\"", a.most);
-  a.options.mostTriangles = *most;
+  if (*most < study::minRasterTriangles())
+    badUsage("--most must be at least {}, the number of triangles of the smallest case, not \"{}\"",
+             study::minRasterTriangles(), a.most);
+  a.options.maxTriangles = *most;
   vk::avoidFullDriverCache();
   vk::Device device({.selector = a.render.device});
   print(device, study::benchRaster(device, a.options), a.json);
@@ -92,7 +96,7 @@ void runFrame(BenchArguments& a) {
     inScene(device, a.render, a.render.scene,
             [&](auto& renderer, const auto& scene, const auto& camera, const auto& moment) {
               const study::Ceilings ceilings = study::measureCeilings(device, a.options.frames);
-              print(device, study::benchFrame(renderer, camera, moment, a.render.settings, ceilings, a.options),
+              print(device, study::benchFrame(device, renderer, camera, moment, a.render.settings, ceilings, a.options),
                     a.render.json, &ceilings);
             });
   });
@@ -186,7 +190,7 @@ void runViews(BenchArguments& a, bool inWorlds) {
       print(device,
             inWorlds
                 ? study::benchWorlds(device, renderer, scene, camera, moment.poses, o.settings, a.worlds, a.options)
-                : study::benchViews(renderer, scene, camera, moment.poses, o.settings, a.views, a.options),
+                : study::benchViews(device, renderer, scene, camera, moment.poses, o.settings, a.views, a.options),
             o.json);
     });
   });

@@ -26,14 +26,6 @@ namespace latelight::study {
 namespace {
 
 using render::Raster;
-constexpr Raster kRasters[] = {Raster::Hardware, Raster::Compute};
-
-// Returns the raster of the settings, or without a choice those that can render them.
-std::vector<Raster> rastersOf(const render::Settings& settings) {
-  if (settings.raster != Raster::Auto) return {settings.raster};
-  const auto some = std::span(kRasters).subspan(render::takesCompute(settings) ? 1 : 0);
-  return {some.begin(), some.end()};
-}
 
 // --- raster ---------------------------------------------------------------------------------------------------------
 
@@ -46,13 +38,18 @@ constexpr Random kRandom[] = {{"100k", 20}, {"1M", 15},    {"10M", 15},  {"10M",
 
 }  // namespace
 
+uint64_t minRasterTriangles() {
+  const auto count = [](const Random& row) { return *scene::parseCount(row.count); };
+  return count(*std::ranges::min_element(kRandom, {}, count));
+}
+
 Table benchRaster(vk::Device& device, const BenchOptions& options) {
   Table table{"raster",
               {"triangles", "size px", "hardware ms", "spread %", "compute ms", "spread %", "hardware / compute"},
               {}};
   for (const Random& row : kRandom) {
     const uint64_t count = *scene::parseCount(row.count);
-    if (count > options.mostTriangles) continue;
+    if (count > options.maxTriangles) continue;
     const scene::Scene scene = scene::load(fmt::format("builtin:triangles,count={},size={}", row.count, row.tenths));
     render::Renderer renderer(device, scene, nullptr);
     const auto times = [&](Raster raster) {
@@ -65,9 +62,10 @@ Table benchRaster(vk::Device& device, const BenchOptions& options) {
   return table;
 }
 
-Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
-                 const render::Settings& settings, const Ceilings& ceilings, const BenchOptions& options) {
-  const std::vector<Raster> rasters = rastersOf(settings);
+Table benchFrame(const vk::Device& device, render::Renderer& renderer, const scene::Camera& camera,
+                 const render::SceneState& moment, const render::Settings& settings, const Ceilings& ceilings,
+                 const BenchOptions& options) {
+  const std::vector<Raster> rasters = render::possibleRasters(device, settings, std::span(&camera, 1));
   std::vector<render::Settings> each(rasters.size(), settings);
   for (size_t i = 0; i < each.size(); ++i) each[i].raster = rasters[i];
   const std::vector<PassSamples> samples = measureInterleaved(renderer, camera, moment, each, options.frames);
@@ -195,12 +193,12 @@ Table viewsTable(const char* name) {
 
 }  // namespace
 
-Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                 const render::Poses& poses, const render::Settings& settings, uint32_t count,
-                 const BenchOptions& options) {
+Table benchViews(const vk::Device& device, render::Renderer& renderer, const scene::Scene& scene,
+                 const scene::Camera& camera, const render::Poses& poses, const render::Settings& settings,
+                 uint32_t count, const BenchOptions& options) {
   const std::vector<scene::Camera> cameras = allAround(scene, camera, count);
   Table table = viewsTable("views");
-  for (const Raster raster : rastersOf(settings)) {
+  for (const Raster raster : render::possibleRasters(device, settings, cameras)) {
     render::Settings s = settings;
     s.raster = raster;
     addViews(table, renderer, cameras, cameras.size(), s, options,
@@ -215,7 +213,7 @@ Table benchWorlds(vk::Device& device, render::Renderer& renderer, const scene::S
   std::vector<scene::Camera> cameras = allAround(scene, camera, count);
   for (uint32_t world = 0; world < count; ++world) cameras[world].world = world;
   Table table = viewsTable("worlds");
-  for (const Raster raster : rastersOf(settings)) {
+  for (const Raster raster : render::possibleRasters(device, settings, cameras)) {
     render::Settings s = settings;
     s.raster = raster;
     if (renderer.placesWorlds(s, cameras, poses, render::Renderer::WorldLights::OfScene, false)) {

@@ -13,23 +13,28 @@
 namespace latelight::study {
 
 struct BenchOptions {
-  uint32_t frames = 16;                 // per measurement, after the warm-up
-  uint64_t mostTriangles = 10'000'000;  // rows of `raster` with more triangles are skipped
-  double budget = 10;                   // seconds: rows of `lights` that are estimated to exceed it are skipped
+  uint32_t frames = 16;                // per measurement, after the warm-up
+  uint64_t maxTriangles = 10'000'000;  // rows of `raster` with more triangles are skipped
+  double budget = 10;                  // seconds: rows of `lights` that are estimated to exceed it are skipped
 };
+
+// Returns the number of triangles of the smallest row of benchRaster().
+uint64_t minRasterTriangles();
 
 // Measures random triangles at 2048x2048, by count and size, until the depth of each pixel is known.
 Table benchRaster(vk::Device& device, const BenchOptions& options);
 
-// Measures a frame of a scene pass by pass up to its finished image, which stays on the device.
-Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
-                 const render::Settings& settings, const Ceilings& ceilings, const BenchOptions& options);
+// Measures a frame of a scene pass by pass up to its finished image, which stays on the device, with each raster that
+// the settings and the camera allow (render::possibleRasters()).
+Table benchFrame(const vk::Device& device, render::Renderer& renderer, const scene::Camera& camera,
+                 const render::SceneState& moment, const render::Settings& settings, const Ceilings& ceilings,
+                 const BenchOptions& options);
 
 // Measures many views at once until their results are in device memory. From inside a scene the camera turns in place;
 // from outside it orbits the scene.
-Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                 const render::Poses& poses, const render::Settings& settings, uint32_t count,
-                 const BenchOptions& options);
+Table benchViews(const vk::Device& device, render::Renderer& renderer, const scene::Scene& scene,
+                 const scene::Camera& camera, const render::Poses& poses, const render::Settings& settings,
+                 uint32_t count, const BenchOptions& options);
 
 // As benchViews(), with a world per view, in which every instance is moved a little. Each call has other transforms and
 // poses than the last one, as arrays on the device if shaders place the worlds (Renderer::placesWorlds()). Otherwise

@@ -101,6 +101,28 @@ TEST(Bench, MeasuresAFrameWithTheRasterOfTheOptions) {
   }
 }
 
+// Some frames have one raster, regardless of --raster: rows of another one would measure the same passes again.
+TEST(Bench, NamesTheRasterThatRan) {
+  const std::pair<std::vector<std::string>, const char*> cases[] = {
+      {{"--lighting", "forward"}, "hardware"},
+      {{"--lighting", "forward", "--raster", "compute"}, "hardware"},
+      {{"--lens", "equirectangular"}, "compute"},
+      {{"--lens", "equirectangular", "--raster", "hardware"}, "compute"},
+  };
+  for (const auto& [options, raster] : cases)
+    for (const char* subject : {"frame", "views"}) {
+      std::vector<std::string> arguments{subject, "builtin:boxes", "--device", "cpu",   "--size",
+                                         "32x16", "--runs",        "1",        "--json"};
+      arguments.insert(arguments.end(), options.begin(), options.end());
+      if (subject == std::string_view("views")) arguments.insert(arguments.end(), {"--views", "2"});
+      const Outcome outcome = bench(arguments);
+      ASSERT_EQ(outcome.code, 0) << outcome.text();
+      const json rows = json::parse(outcome.out)[subject];
+      ASSERT_FALSE(rows.empty());
+      for (const json& row : rows) EXPECT_EQ(row["raster"], raster) << subject << " " << options[1];
+    }
+}
+
 TEST(Bench, MeasuresManyViews) {
   const Outcome outcome = bench({"views", "builtin:boxes", "--device", "cpu", "--size", "16x16", "--views", "8",
                                  "--runs", "2", "--aov", "depth,id", "--json"});
@@ -212,6 +234,7 @@ TEST(Bench, SaysWhatItCannotDo) {
       {{"rays", "--rays", "none"}, "--rays requires a number of rays up to 64M"},
       {{"rays", "--rays", "65M"}, "--rays requires a number of rays up to 64M"},
       {{"raster", "--most", "many"}, "--most takes a number"},
+      {{"raster", "--most", "9999"}, "--most must be at least 10000"},
       {{"raster", "--runs", "0"}, "--runs"},
       {{"frame", "-o", "x.png"}, "omit --out"},
       {{"frame", "--aov", "depth"}, "omit --aov"},

@@ -6,6 +6,7 @@
 #include "output/aov.h"
 #include "render/submit/raster_choice.h"
 #include "render/support.h"
+#include "scene/lens.h"
 #include "scene/load/load.h"
 
 namespace latelight::render::test {
@@ -146,6 +147,32 @@ TEST_F(ComputeOnly, AutoChoosesARasterThatTheDeviceSupports) {
   EXPECT_EQ(chooseRaster(device(), s, hall()).raster, Raster::Hardware);
   s.raster = Raster::Compute;
   EXPECT_EQ(chooseRaster(device(), s, hall()).raster, Raster::Compute);  // as requested
+}
+
+TEST_F(ComputeOnly, KnowsTheRastersThatFramesMayHave) {
+  using Rasters = std::vector<Raster>;
+  scene::Camera camera = cameraOf(hall(), 64, 48);
+  const auto rasters = [&](const Settings& s, const vk::Device& on) { return possibleRasters(on, s, {&camera, 1}); };
+  const auto settings = [](Raster raster, const char* lighting = "clustered", uint32_t samples = 1) {
+    Settings s;
+    s.raster = raster;
+    s.lighting = &findTechnique(lighting);
+    s.aa.samples = samples;
+    return s;
+  };
+  EXPECT_EQ(rasters(settings(Raster::Auto), device()), (Rasters{Raster::Hardware, Raster::Compute}));
+  EXPECT_EQ(rasters(settings(Raster::Auto), computeDevice()), Rasters{Raster::Compute});
+  for (const Raster raster : {Raster::Auto, Raster::Hardware, Raster::Compute}) {
+    EXPECT_EQ(rasters(settings(raster, "forward"), device()), Rasters{Raster::Hardware});
+    EXPECT_EQ(rasters(settings(raster, "volumes", 4), device()), Rasters{Raster::Hardware});
+    EXPECT_EQ(rasters(settings(raster, "clustered", 8), device()), Rasters{Raster::Compute});
+  }
+  for (const Raster raster : {Raster::Hardware, Raster::Compute, Raster::Rays})
+    EXPECT_EQ(rasters(settings(raster), device()), Rasters{raster});
+  camera.lens = scene::parseLens("--lens", "equirectangular", 64, 48);
+  EXPECT_EQ(rasters(settings(Raster::Auto), device()), Rasters{Raster::Compute});
+  EXPECT_EQ(rasters(settings(Raster::Hardware, "clustered", 4), device()), Rasters{Raster::Compute});
+  EXPECT_EQ(rasters(settings(Raster::Rays), device()), Rasters{Raster::Rays});
 }
 
 // If compute shaders must filter textures themselves, they become faster only with many triangles. The more pixels show

@@ -12,9 +12,11 @@
 #include "base/files.h"
 #include "base/fork.h"
 #include "base/stopwatch.h"
+#include "render/frame/view.h"
 #include "render/lighting/technique.h"
 #include "render/outputs/outputs.h"
 #include "render/rays/worlds/world_bvh.h"
+#include "render/submit/lens_settings.h"
 #include "render/submit/request.h"
 #include "render/visibility/compute/compute.h"
 #include "scene/load/load.h"
@@ -140,6 +142,15 @@ std::vector<double> depthTimes(Renderer& renderer, const scene::Scene& scene, Ra
   std::vector<double> times;
   for (uint32_t frame = 0; frame < frames; ++frame) times.push_back(timeOfFrame());
   return times;
+}
+
+std::vector<Raster> possibleRasters(const vk::Device& device, const Settings& settings,
+                                    std::span<const scene::Camera> cameras) {
+  const Settings s = std::ranges::any_of(cameras, bendsRays) ? lensSettings(settings) : settings;
+  if (s.raster != Raster::Auto)
+    return {!rastersInCompute(s) ? Raster::Hardware : tracesVisibility(s) ? Raster::Rays : Raster::Compute};
+  if (const auto only = onlyChoice(device, s)) return {only->raster};
+  return {Raster::Hardware, Raster::Compute};
 }
 
 RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene, RasterUse use) {

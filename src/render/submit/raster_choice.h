@@ -1,6 +1,7 @@
 // Implements --raster auto: chooses the raster that suits a device, by measurement.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,12 @@ struct RasterChoice {
 // pixels are rendered with rays on CPU devices. Throws Error(NoDevice) if the device supports neither raster.
 RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene,
                           RasterUse use = RasterUse::Image);
+
+// Returns the rasters of which frames with these settings and cameras may have any: the one that they always have,
+// regardless of `settings.raster`, or the one that this names, or for `auto` hardware and compute. Throws
+// Error(NoDevice) if the device supports neither, and Error(Usage) for settings that the cameras do not support.
+std::vector<Raster> possibleRasters(const vk::Device& device, const Settings& settings,
+                                    std::span<const scene::Camera> cameras);
 
 // Returns the milliseconds of device time until the depth of each pixel is known, for each of `frames` frames of a
 // square picture from the scene's first camera. Before, it renders one frame to warm up, and more until `warmUp`
