@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 
+#include "base/lowercase.h"
 #include "base/text.h"
 #include "scene/builtin/builtin.h"
 
@@ -40,6 +42,12 @@ std::vector<uint64_t> parseCounts(const std::string& option, const std::string& 
 
 void checkBudget(double seconds) {
   if (!(seconds > 0)) badUsage("--budget must be above 0 seconds, not {}", seconds);
+}
+
+void checkPageName(std::string_view writer, const std::string& name) {
+  const std::string ending = lowercaseExtension(name);
+  if (name != "-" && ending != ".html" && ending != ".htm")
+    badUsage("{} writes an HTML page; give it a name that ends in .html, not \"{}\"", writer, name);
 }
 
 int64_t parseStep(const std::string& text) {

@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,8 @@ std::pair<uint32_t, uint32_t> parseFrames(const std::string& text);          // 
 std::vector<uint64_t> parseCounts(const std::string& option, const std::string& text);
 // Throws unless --budget is a number of seconds above 0.
 void checkBudget(double seconds);
+// Throws unless the name of a page, which `writer` writes, ends in .html or .htm, or is - for standard output.
+void checkPageName(std::string_view writer, const std::string& name);
 int64_t parseStep(const std::string& text);               // "next", "previous", or frames other than 0
 std::optional<size_t> parseIndex(std::string_view text);  // an integer, or nothing
 

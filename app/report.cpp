@@ -6,10 +6,10 @@
 
 #include "app/commands.h"
 #include "app/explicit_options.h"
+#include "app/parse.h"
 #include "app/render_options.h"
 #include "app/render_run.h"
 #include "base/files.h"
-#include "base/lowercase.h"
 #include "output/used_files.h"
 #include "render/submit/raster_choice.h"
 #include "render/submit/session.h"
@@ -31,19 +31,27 @@ struct ReportArguments {
   const CLI::App* command = nullptr;
 };
 
+// These have no effect on a page, which has no data outputs and one instant, or replace what it compares.
 UnsupportedOptions unsupportedByReport() {
-  return {{"out"}, {"frames", "lens"}};
+  return {{"out"}, {"frames", "axes", "normal-frame", "data-surfaces", "position-origin", "lens"}};
 }
 
 // Rejects options that a page does not support or varies itself.
 void checkGiven(const RenderOptions& o) {
+  if (!o.lens.empty())
+    badUsage(
+        "report compares layouts, and cameras whose lens bends rays are rendered with one layout only: omit --lens");
   if (const auto name = unsupportedByReport().findIn(o))
     badUsage("report selects its own images and values: omit {}", *name);
   if (o.out.empty()) badUsage("--out is required: give the output file, for example -o report.html");
-  const std::string ending = lowercaseExtension(o.out);
-  if (o.out != "-" && ending != ".html" && ending != ".htm")
-    badUsage("report writes an HTML page; give it a name that ends in .html, not \"{}\"", o.out);
+  checkPageName("report", o.out);
   checkWritable(o.out);
+}
+
+// Rejects --fps if no target of a layout can store motion.
+void checkMotion(const RenderOptions& o, const scene::Scene& scene) {
+  const bool moves = (o.settings.time && scene.rig.isAnimated()) || o.turn != 0;
+  if (o.isExplicit("fps") && !moves) badUsage("report has no motion for --fps: omit it, or use --time or --turn");
 }
 
 // Returns the scene and the given options, except these. The size is always included, because the default sizes of a
@@ -81,6 +89,7 @@ void run(ReportArguments& a) {
   checkTime(o);
   vk::avoidFullDriverCache();
   const scene::Scene scene = scene::load(o.scene, loadOptions(o));
+  checkMotion(o, scene);
   std::vector<std::filesystem::path> inputs = scene.files;
   if (const std::string environment = environmentOf(o, scene); !environment.empty()) inputs.emplace_back(environment);
   output::UsedFiles(inputs).checkOutputs(std::vector<std::filesystem::path>{o.out});

@@ -153,13 +153,11 @@ std::string pageOf(const Arguments& a, const study::Study& study, const study::R
   return report::studyPage(study, a.options, result, words);
 }
 
-// Reports before any expensive work that the page would replace an input or a result. The names of results are known
-// only after the study, so each name that one may have is reserved.
+// Reports before any expensive work that the page would replace an input, or cannot be written. The folder of the
+// results exists already, because the page may be in it.
 void checkPage(const Arguments& a, output::UsedFiles& used) {
-  const std::filesystem::path page = a.page;
-  std::vector<std::filesystem::path> outputs{page};
-  if (!a.folder.empty() && isResultName(page.filename(), a.name))
-    outputs.push_back(std::filesystem::path(a.folder) / page.filename());
+  checkWritable(a.page);
+  const std::filesystem::path outputs[] = {a.page};
   used.checkOutputs(outputs);
 }
 
@@ -180,11 +178,11 @@ void run(Arguments& a) {
   if (a.page == "-" && a.json) badUsage("--html - and --json both write to standard output; use one of them");
   const std::vector<std::filesystem::path> inputs(a.options.environments.begin(), a.options.environments.end());
   output::UsedFiles used(inputs);
-  if (!a.page.empty()) checkWritable(a.page);
+  if (!a.page.empty()) checkPageName("--html", a.page);
   a.options.pictures = !a.folder.empty() || !a.page.empty();
   std::optional<ResultFolder> folder;
   if (!a.folder.empty()) folder.emplace(a.folder, a.name);
-  checkPage(a, used);
+  if (!a.page.empty()) checkPage(a, used);
   vk::avoidFullDriverCache();
   const study::Result result = chosen.run(a.options);
   Files files;
@@ -210,7 +208,8 @@ void addStudyCommand(CLI::App& app) {
   for (const study::Study& study : study::studies()) names += (names.empty() ? "" : ", ") + std::string(study.name);
   command->add_option("NAME", a.name, "One of " + names)->required();
   command->add_option("-o,--out", a.folder, "Folder for CSV, JSON and PNG files; created if missing")->type_name("DIR");
-  command->add_option("--html", a.page, "HTML page with all results; - is standard output")->type_name("FILE");
+  command->add_option("--html", a.page, "HTML page with all results, such as depth.html; - is standard output")
+      ->type_name("FILE");
   command
       ->add_option("--samples", a.options.samples,
                    "Number of directions; depth studies use a quarter of it, accuracy a thousandth per pixel")

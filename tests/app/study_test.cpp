@@ -88,6 +88,7 @@ TEST(Study, PageReplacesNoOtherFileOfTheCommand) {
   std::filesystem::create_directory(folder.path() / "out");
   std::filesystem::create_directory_symlink("out", folder.path() / "link");
   folder.write("sky.hdr", "an environment");
+  std::filesystem::create_symlink("sky.hdr", folder.path() / "sky.html");
   const std::vector<std::string> before = folder.names();
   const auto expectRejected = [&](std::vector<std::string> arguments, const char* name) {
     const Outcome outcome = study(folder, std::move(arguments));
@@ -96,9 +97,10 @@ TEST(Study, PageReplacesNoOtherFileOfTheCommand) {
     EXPECT_EQ(outcome.out, "");
     EXPECT_EQ(folder.names(), before);
   };
-  expectRejected({"position", "-o", "out", "--html", "out/position.csv"}, "'out/position.csv'");
-  expectRejected({"position", "-o", "out", "--html", "link/position.json"}, "'link/position.json'");
-  expectRejected({"accuracy", "--hdri", "sky.hdr", "--html", "sky.hdr"}, "'sky.hdr'");
+  // A page ends in .html, unlike inputs and results.
+  for (const char* name : {"out/position.csv", "link/position.json", "sky.hdr", "page", "x.png"})
+    expectRejected({"position", "-o", "out", "--html", name}, "--html writes an HTML page");
+  expectRejected({"accuracy", "--hdri", "sky.hdr", "--html", "sky.html"}, "'sky.html'");  // a link to it
   EXPECT_EQ(folder.read("sky.hdr"), "an environment");
   // The name that the page's link leads to is known as a result's only after the study.
   folder.write("out/position.csv", "old");
@@ -108,6 +110,17 @@ TEST(Study, PageReplacesNoOtherFileOfTheCommand) {
   const Outcome outcome = study(folder, {"position", "-o", "out", "--html", "out/position.html"});
   EXPECT_EQ(outcome.code, 0) << outcome.text();
   EXPECT_THAT(folder.read("out/position.html"), HasSubstr("<html"));
+}
+
+TEST(Study, PageMayBeInANewFolderOfResults) {
+  Folder folder;
+  const Outcome failed = study(folder, {"position", "-o", "new", "--html", "absent/x.html"});
+  EXPECT_EQ(failed.code, 2) << failed.text();
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "new")) << "removed again";
+  const Outcome outcome = study(folder, {"position", "-o", "new", "--html", "new/x.html"});
+  EXPECT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_THAT(folder.read("new/x.html"), HasSubstr("<html"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "new/position.csv"));
 }
 
 }  // namespace

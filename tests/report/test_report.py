@@ -280,6 +280,16 @@ def test_everybody_can_use_it(opened, width, theme):
     screenshot(opened, f"report-{width}-{theme}", full_page=True)
 
 
+def test_each_label_has_one_control(opened):
+    """As HTML requires: the control that it is `for`, or the only one that it contains (html-validate)."""
+    counts = opened.evaluate(
+        """() => [...document.querySelectorAll("label")].map((label) =>
+            label.querySelectorAll("button, input, meter, output, progress, select, textarea").length
+            + (label.htmlFor ? 1 : 0))"""
+    )
+    assert len(counts) > 5 and set(counts) == {1}
+
+
 def test_opens_at_once(opened, report):
     assert report.stat().st_size < 20e6
     assert opened.evaluate("performance.getEntriesByType('navigation')[0].loadEventEnd") < 2000
@@ -321,6 +331,12 @@ def test_techniques_without_an_option_are_left_out(folder):
         (["builtin:boxes", "--labels", "x.json", "-o", "x.html"], 2, "--labels"),
         (["builtin:boxes", "--keypoints", "[]", "-o", "x.html"], 2, "--keypoints"),
         (["builtin:boxes", "--correspond", "x.npz", "-o", "x.html"], 2, "--correspond"),
+        (["builtin:boxes", "--axes", "z-up", "-o", "x.html"], 2, "omit --axes"),
+        (["builtin:boxes", "--normal-frame", "opencv", "-o", "x.html"], 2, "omit --normal-frame"),
+        (["builtin:boxes", "--data-surfaces", "any", "-o", "x.html"], 2, "omit --data-surfaces"),
+        (["builtin:boxes", "--position-origin", "1,2,3", "-o", "x.html"], 2, "omit --position-origin"),
+        (["builtin:boxes", "--fps", "25", "-o", "x.html"], 2, "no motion for --fps"),
+        (["builtin:boxes", "--lens", "equirectangular", "-o", "x.html"], 2, "one layout only: omit --lens"),
         (["builtin:boxes", "--to-camera", "main", "-o", "x.html"], 2, "--to-camera"),
         (["builtin:boxes", "-o", "nowhere/x.html"], 2, "nowhere"),
         (["builtin:boxes", "-o", "x.png"], 2, "ends in .html"),
