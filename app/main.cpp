@@ -1,6 +1,6 @@
 // `latelight`: the command line. base/error.h defines the exit codes.
 #include <fcntl.h>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <latelight/latelight.h>
 #include <poll.h>
 #include <unistd.h>
@@ -135,6 +135,12 @@ std::string inWords(const CLI::ConversionError& error, const CLI::App& cli) {
 std::string inWords(const CLI::ParseError& error, const CLI::App& cli, int argc, char** argv) {
   if (const auto* conversion = dynamic_cast<const CLI::ConversionError*>(&error)) return inWords(*conversion, cli);
   std::string sentence = error.what();
+  if (dynamic_cast<const CLI::ExtrasError*>(&error)) {
+    // CLI11's own message lists them backwards.
+    const std::vector<std::string> extras = cli.remaining(true);
+    sentence = fmt::format("The following argument{} not expected: {}", extras.size() > 1 ? "s were" : " was",
+                           fmt::join(extras, " "));
+  }
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i], value = argument.substr(argument.find('=') + 1);
     for (const std::string& text : {argument, value})

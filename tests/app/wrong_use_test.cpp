@@ -90,6 +90,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{"UnknownCommand", {"paint"}, kUsage, {"paint", "render"}},
         WrongUse{"UnknownOption", {"render", "-o", "a.png", "--colour", "red"}, kUsage, {"--colour"}},
         WrongUse{"UnknownOptionBeforeTheCommand", {"--colour", "render", "-o", "a.png"}, kUsage, {"--colour"}},
+        WrongUse{
+            "UnknownArguments", {"render", "a.glb", "b.glb", "--colour", "c.glb"}, kUsage, {"b.glb --colour c.glb"}},
         WrongUse{"NoOutput", {"render", "builtin:boxes"}, kUsage, {"--out"}},
         WrongUse{"ExportJobWithoutFrame", {"export", "--job", "job.json", "-o", "a.glb"}, kUsage, {"--job", "--frame"}},
         WrongUse{"ExportFrameWithoutJob", {"export", "--frame", "0", "-o", "a.glb"}, kUsage, {"--job", "--frame"}},
