@@ -20,11 +20,14 @@ Specification: https://huggingface.co/docs/lerobot/lerobot-dataset-v3
 from __future__ import annotations
 
 import argparse
+import contextlib
+import errno
 import itertools
 import json
 import math
 import os
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -46,7 +49,19 @@ _EPISODES_PATH = "meta/episodes/chunk-{chunk_index:03d}/file-{file_index:03d}.pa
 
 
 class SetError(Exception):
-    """Ends the program with exit code 3 and a sentence."""
+    """Ends the program with its exit code and a sentence."""
+
+    code = 3
+
+
+class OutputError(SetError):
+    """The output cannot be written."""
+
+    code = 2
+
+
+class _Stopped(BaseException):
+    """A signal ends the program."""
 
 
 class Episode(NamedTuple):
@@ -86,15 +101,25 @@ def _picture_of(folder: Path, frame: dict[str, Any], pattern: str | None) -> Pat
     )
 
 
+def _side_file_cameras(folder: Path, frame: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """The cameras of the frame's side files. The pattern of the format files, which the manifest does not record,
+    determines their names; other formats write JSON files without cameras."""
+    for file in frame["files"]:
+        if not file["file"].endswith(".json"):
+            continue
+        document = _read_json(folder / file["file"])
+        camera = document.get("camera") if isinstance(document, dict) else None
+        if isinstance(camera, dict) and {"cameraToWorld", "convention"} <= camera.keys():
+            yield camera
+
+
 def _pose_of(folder: Path, frame: dict[str, Any]) -> np.ndarray:
     """From OpenCV's camera frame, (4, 4)."""
     for entry in frame["entries"]:
         matrix = entry.get("frame", {}).get("transform_matrix") if isinstance(entry, dict) else None
         if matrix:
             return np.array(matrix) @ np.diag([1.0, -1, -1, 1])
-    side = f"{frame['name']}.json"
-    if any(file["file"] == side for file in frame["files"]):
-        camera = _read_json(folder / side)["camera"]
+    for camera in _side_file_cameras(folder, frame):
         pose = np.array(camera["cameraToWorld"])
         return pose @ np.diag([1.0, -1, -1, 1]) if camera["convention"] == "opengl" else pose
     raise SetError(
@@ -238,12 +263,17 @@ def _ffmpeg(arguments: Sequence[str], pictures: Sequence[Path], rate: float) -> 
                     pass
 
         with ThreadPoolExecutor(2) as threads:
-            fed, errors = threads.submit(feed), threads.submit(process.stderr.read)
-            output = process.stdout.read()
-            fed.result()
-            message = errors.result().decode(errors="replace").strip()
+            try:
+                fed, errors = threads.submit(feed), threads.submit(process.stderr.read)
+                output = process.stdout.read()
+                fed.result()
+                message = errors.result().decode(errors="replace").strip()
+            except BaseException:
+                process.kill()  # otherwise the threads wait until it has encoded everything
+                raise
     if process.returncode != 0:
-        raise SetError(f"ffmpeg failed: {message.splitlines()[-1] if message else process.returncode}")
+        error = OutputError if os.strerror(errno.ENOSPC) in message else SetError
+        raise error(f"ffmpeg failed: {message.splitlines()[-1] if message else process.returncode}")
     return output
 
 
@@ -318,6 +348,10 @@ def _image_statistics(colors: np.ndarray, count: int) -> dict[str, Any]:
 # --- LeRobot's files -------------------------------------------------------------------------------------------------
 
 
+def _video_key(camera: str) -> str:
+    return f"observation.images.{camera}"
+
+
 def _features(episode: Episode, fps: float) -> dict[str, Any]:
     cameras = list(episode.pictures)
     names = [f"{camera}.{part}" for camera in cameras for part in _POSE] if len(cameras) > 1 else list(_POSE)
@@ -325,7 +359,7 @@ def _features(episode: Episode, fps: float) -> dict[str, Any]:
     features: dict[str, Any] = {"observation.state": vector, "action": vector}
     for camera, pictures in episode.pictures.items():
         width, height = (2 * math.ceil(size / 2) for size in _png_size(pictures[0]))  # as the videos are padded
-        features[f"observation.images.{camera}"] = {
+        features[_video_key(camera)] = {
             "dtype": "video",
             "shape": [height, width, 3],
             "names": ["height", "width", "channels"],
@@ -413,65 +447,47 @@ def _write_tasks(path: Path, task: str) -> None:
     _write_table(path, {"task_index": [0], "task": [task]}, {b"pandas": json.dumps(pandas).encode()})
 
 
-def _write(root: Path, episodes: list[Episode], fps: float, task: str, robot: str) -> None:
-    rows: list[dict[str, Any]] = []  # of the table of episodes
-    colors: dict[str, list[np.ndarray]] = {camera: [] for camera in episodes[0].pictures}
-    numbers: list[dict[str, np.ndarray]] = []
-    first = 0
-    for file, begin, end in _files_of(episodes):
-        columns = _numeric_columns(episodes, begin, end, first, fps)
-        numbers.append(columns)
-        _write_data(root / _DATA_PATH.format(**file), columns)
-        for camera in episodes[0].pictures:
-            key = f"observation.images.{camera}"
-            pictures = [picture for episode in episodes[begin:end] for picture in episode.pictures[camera]]
-            _encode(root / _VIDEO_PATH.format(video_key=key, **file), pictures, fps)
-        offset = 0
-        for index in range(begin, end):
-            episode = episodes[index]
-            row: dict[str, Any] = {
-                "episode_index": index,
-                "tasks": [task],
-                "length": episode.length,
-                "data/chunk_index": file["chunk_index"],
-                "data/file_index": file["file_index"],
-                "dataset_from_index": first + offset,
-                "dataset_to_index": first + offset + episode.length,
-            }
-            part = {name: values[offset : offset + episode.length] for name, values in columns.items()}
-            stats = {
-                name: _statistics(values.reshape(episode.length, -1), episode.length) for name, values in part.items()
-            }
-            for camera, pictures in episode.pictures.items():
-                key = f"observation.images.{camera}"
-                row |= {
-                    f"videos/{key}/chunk_index": file["chunk_index"],
-                    f"videos/{key}/file_index": file["file_index"],
-                    f"videos/{key}/from_timestamp": offset / fps,
-                    f"videos/{key}/to_timestamp": (offset + episode.length) / fps,
-                }
-                colors[camera].append(_sampled_colors(pictures))
-                stats[key] = _image_statistics(colors[camera][-1], episode.length)
-            row |= {f"stats/{name}/{stat}": values for name, each in stats.items() for stat, values in each.items()}
-            rows.append(row | {"meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0})
-            offset += episode.length
-        first += offset
-    _write_table(
-        root / _EPISODES_PATH.format(chunk_index=0, file_index=0),
-        {name: [row[name] for row in rows] for name in rows[0]},
-    )
-    _write_tasks(root / "meta/tasks.parquet", task)
-    all_numbers = {name: np.concatenate([columns[name] for columns in numbers]) for name in numbers[0]}
-    stats = {name: _statistics(values.reshape(first, -1), first) for name, values in all_numbers.items()}
-    stats |= {
-        f"observation.images.{camera}": _image_statistics(np.concatenate(samples), first)
-        for camera, samples in colors.items()
+def _by_column(stats: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    return {f"stats/{name}/{stat}": values for name, each in stats.items() for stat, values in each.items()}
+
+
+def _stats_of(columns: dict[str, np.ndarray], colors: dict[str, np.ndarray], length: int) -> dict[str, dict[str, Any]]:
+    """Statistics of some frames by feature. `colors`: those of sampled images by camera."""
+    stats = {name: _statistics(values.reshape(length, -1), length) for name, values in columns.items()}
+    return stats | {_video_key(camera): _image_statistics(samples, length) for camera, samples in colors.items()}
+
+
+def _episode_row(
+    index: int, episode: Episode, file: dict[str, int], first: int, offset: int, fps: float, task: str
+) -> dict[str, Any]:
+    """The row of the table of episodes, without statistics. The episode begins at the frame `offset` of its file, whose
+    first frame has the index `first`."""
+    row: dict[str, Any] = {
+        "episode_index": index,
+        "tasks": [task],
+        "length": episode.length,
+        "data/chunk_index": file["chunk_index"],
+        "data/file_index": file["file_index"],
+        "dataset_from_index": first + offset,
+        "dataset_to_index": first + offset + episode.length,
     }
-    info = {
+    for camera in episode.pictures:
+        key = _video_key(camera)
+        row |= {
+            f"videos/{key}/chunk_index": file["chunk_index"],
+            f"videos/{key}/file_index": file["file_index"],
+            f"videos/{key}/from_timestamp": offset / fps,
+            f"videos/{key}/to_timestamp": (offset + episode.length) / fps,
+        }
+    return row
+
+
+def _info(episodes: Sequence[Episode], frames: int, fps: float, robot: str) -> dict[str, Any]:
+    return {
         "codebase_version": _VERSION,
         "robot_type": robot,
         "total_episodes": len(episodes),
-        "total_frames": first,
+        "total_frames": frames,
         "total_tasks": 1,
         "chunks_size": _CHUNK,
         "data_files_size_in_mb": 100,
@@ -482,7 +498,40 @@ def _write(root: Path, episodes: list[Episode], fps: float, task: str, robot: st
         "video_path": _VIDEO_PATH,
         "features": _features(episodes[0], fps),
     }
-    for name, value in [("info", info), ("stats", stats)]:
+
+
+def _write(root: Path, episodes: list[Episode], fps: float, task: str, robot: str) -> None:
+    rows: list[dict[str, Any]] = []  # of the table of episodes
+    colors: dict[str, list[np.ndarray]] = {camera: [] for camera in episodes[0].pictures}
+    numbers: list[dict[str, np.ndarray]] = []
+    first = 0
+    for file, begin, end in _files_of(episodes):
+        columns = _numeric_columns(episodes, begin, end, first, fps)
+        numbers.append(columns)
+        _write_data(root / _DATA_PATH.format(**file), columns)
+        for camera in episodes[0].pictures:
+            pictures = [picture for episode in episodes[begin:end] for picture in episode.pictures[camera]]
+            _encode(root / _VIDEO_PATH.format(video_key=_video_key(camera), **file), pictures, fps)
+        offset = 0
+        for index in range(begin, end):
+            episode = episodes[index]
+            part = {name: values[offset : offset + episode.length] for name, values in columns.items()}
+            sampled = {camera: _sampled_colors(pictures) for camera, pictures in episode.pictures.items()}
+            for camera, samples in sampled.items():
+                colors[camera].append(samples)
+            row = _episode_row(index, episode, file, first, offset, fps, task)
+            row |= _by_column(_stats_of(part, sampled, episode.length))
+            rows.append(row | {"meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0})
+            offset += episode.length
+        first += offset
+    _write_table(
+        root / _EPISODES_PATH.format(chunk_index=0, file_index=0),
+        {name: [row[name] for row in rows] for name in rows[0]},
+    )
+    _write_tasks(root / "meta/tasks.parquet", task)
+    all_numbers = {name: np.concatenate([columns[name] for columns in numbers]) for name in numbers[0]}
+    stats = _stats_of(all_numbers, {camera: np.concatenate(samples) for camera, samples in colors.items()}, first)
+    for name, value in [("info", _info(episodes, first, fps, robot)), ("stats", stats)]:
         (root / f"meta/{name}.json").write_text(json.dumps(value, indent=1) + "\n", encoding="utf-8")
 
 
@@ -494,9 +543,10 @@ def convert(
     robot: str = "camera",
     pattern: str | None = None,
 ) -> None:
-    """Writes a LeRobot data set into a new folder. Raises SetError if the set does not allow it."""
+    """Writes a LeRobot data set into a new folder. Raises SetError if the set does not allow it, and OutputError if the
+    folder exists or cannot be written."""
     if output.exists():
-        raise SetError(f"'{output}' exists already; choose another folder")
+        raise OutputError(f"'{output}' exists already; choose another folder")
     try:
         import pyarrow  # noqa: F401
     except ImportError:
@@ -516,9 +566,30 @@ def convert(
         _write(unfinished, episodes, fps, task, robot)
         unfinished.rename(output)
     except OSError as error:
-        raise SetError(f"can't write '{output}': {error.strerror or error}") from None
+        raise OutputError(f"can't write '{output}': {error.strerror or error}") from None
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def _stopped_by_signals() -> Iterator[None]:
+    """Lets a signal end the program after unfinished files are removed, with the exit status of that signal."""
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+    def stop(number: int, _: object) -> None:
+        for other in numbers:
+            signal.signal(other, signal.SIG_IGN)  # a second signal must not interrupt the removal
+        raise _Stopped(number)
+
+    before = {number: signal.signal(number, stop) for number in numbers if signal.getsignal(number) != signal.SIG_IGN}
+    try:
+        yield
+    except _Stopped as stopped:
+        signal.signal(stopped.args[0], signal.SIG_DFL)
+        signal.raise_signal(stopped.args[0])
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -535,10 +606,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if options.fps < 1:
         parser.error(f"--fps takes a whole number from 1, not {options.fps}")
     try:
-        convert(options.set, options.output, options.fps, options.task, options.robot_type, options.picture)
+        with _stopped_by_signals():
+            convert(options.set, options.output, options.fps, options.task, options.robot_type, options.picture)
     except SetError as error:
         print(f"latelight.lerobot: {error}", file=sys.stderr)
-        sys.exit(3)
+        sys.exit(error.code)
 
 
 if __name__ == "__main__":

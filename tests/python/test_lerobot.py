@@ -3,8 +3,10 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -116,12 +118,49 @@ def test_the_videos(folder):
 
 def test_errors(folder):
     again = lerobot(folder, "set", "-o", "out")
-    assert again.returncode == 3 and "'out' exists already" in again.stderr
+    assert again.returncode == 2 and "'out' exists already" in again.stderr
     missing = lerobot(folder, "nothing", "-o", "new")
     assert missing.returncode == 3 and "is not a complete data set" in missing.stderr
     pictures = lerobot(folder, "set", "-o", "new", "--picture", "rgb/{name}.png")
     assert pictures.returncode == 3 and "has no image" in pictures.stderr
     assert sorted(path.name for path in folder.iterdir()) == ["job.json", "out", "set"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_signals_leave_nothing(folder, tmp_path, number):
+    (tmp_path / "ffmpeg").write_text(f"#!/bin/sh\n: >'{tmp_path}/started'\nexec sleep 60\n")
+    (tmp_path / "ffmpeg").chmod(0o755)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "latelight.lerobot", folder / "set", "-o", tmp_path / "out"],
+        env=os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"},
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(number, signal.SIG_DFL),  # background jobs ignore SIGINT
+    )
+    while not (tmp_path / "started").exists():
+        assert process.poll() is None
+        time.sleep(0.01)
+    assert list(tmp_path.glob(".out.*"))
+    process.send_signal(number)
+    assert process.communicate(timeout=300)[1] == "" and process.returncode == -number
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["ffmpeg", "started"]
+
+
+def test_side_files_in_folders(tmp_path):
+    formats = [{"format": "files", "outputs": ["color", "depth"]}, "boxes"]
+    job = JOB | {"repeat": 1, "formats": formats, "cameras": poses_at("a", "b"), "options": {"size": "16x16"}}
+    for pattern in ("rgb/{name}.png", "{aov}/{name}.png"):
+        formats[0]["pattern"] = pattern
+        shutil.rmtree(tmp_path / "set", ignore_errors=True)
+        (tmp_path / "job.json").write_text(json.dumps(job))
+        program = [os.environ["LATELIGHT_PROGRAM"], "batch", "job.json", "--devices", "cpu"]
+        subprocess.run(program, cwd=tmp_path, check=True, capture_output=True)
+        picture = pattern.replace("{aov}", "color")
+        done = lerobot(tmp_path, "set", "-o", pattern[1:4], "--picture", picture)
+        assert done.returncode == 0, done.stderr
+        rows = pq.read_table(tmp_path / pattern[1:4] / "data/chunk-000/file-000.parquet").to_pydict()
+        positions = np.array(rows["observation.state"])[:, :3]
+        np.testing.assert_allclose(positions, [[0, 0, 9], [0, 1, 9]], atol=1e-6)
 
 
 def cameras_of(folder, name, cameras):
@@ -250,7 +289,7 @@ def test_a_full_disk_leaves_no_data_set(folder, tmp_path):
             pytest.skip("no right to mount")
         try:
             failed = lerobot(folder, "set", "-o", str(disk / "out"), "--fps", "10")
-            assert failed.returncode == 3, failed.stderr
+            assert failed.returncode == 2, failed.stderr
             assert failed.stderr.startswith("latelight.lerobot: ") and failed.stderr.count("\n") == 1, failed.stderr
             assert not list(disk.iterdir()), failed.stderr
         finally:
