@@ -124,7 +124,7 @@ void printPlan(const data::Job& job, const BatchArguments& a, const data::Shard&
   const data::SetFolder set(job.folder);
   data::checkSet(set, job, shard, a.resume);
   const data::Plan plan(job, set.plan());
-  const data::Manifest finished = a.resume ? data::findFinished(set, plan, shard) : data::Manifest{};
+  const data::Manifest finished = a.resume ? data::findFinished(set, job, plan, shard) : data::Manifest{};
   const auto [first, end] = shard.range(plan.frames());
   uint64_t frames = 0, bytes = 0;
   for (uint64_t index = first; index < end; ++index) {

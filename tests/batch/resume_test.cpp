@@ -116,6 +116,82 @@ TEST(Resume, OtherSettingsAreRenderedAgainAndLeaveNothing) {
   expectSame(resumed, filesOf(folder, "set"));
 }
 
+// Ends a log after its first lines, the plan and the stale files, as if the process was killed after it had replaced
+// files and before it had recorded them.
+void forgetFrames(const Folder& folder, const std::string& log) {
+  const std::string text = folder.read(log);
+  const size_t frames = text.find("{\"frame\"");
+  ASSERT_NE(frames, text.npos) << text;
+  folder.write(log, std::string_view(text).substr(0, frames));
+}
+
+// The files of both jobs have the same names and sizes.
+TEST(Resume, AnInterruptedOtherJobLeavesNothingInTheFirstOne) {
+  for (const char* format : {"npz", "webdataset"})
+    for (const bool isKilled : {false, true}) {
+      Folder folder;
+      ASSERT_EQ(latelight(small(folder, {"--formats", format}, "4")).code, 0);
+      const auto before = filesOf(folder, "set");
+      const Outcome other =
+          latelight(small(folder, {"--formats", format, "--exposure", "2", "--shard", "0/2", "--resume"}, "4"));
+      ASSERT_EQ(other.code, 0) << other.text();
+      EXPECT_EQ(latelight({.arguments = {"batch", "status", "set"}, .folder = folder.path()}).code, 6);
+      if (isKilled) forgetFrames(folder, "set/.latelight/shard-0-of-2.jsonl");
+      const Outcome back = latelight(small(folder, {"--formats", format, "--resume"}, "4"));
+      EXPECT_EQ(back.code, 0) << back.text();
+      expectSame(filesOf(folder, "set"), before);
+    }
+}
+
+// Both runs in between are killed, the second one before it renders a frame of the first job again.
+TEST(Resume, TwoInterruptedRunsLeaveNothingInTheFirstJob) {
+  Folder folder;
+  const std::vector<std::string> part{"--formats", "npz", "--shard", "0/2", "--resume"};
+  ASSERT_EQ(latelight(small(folder, {"--formats", "npz"}, "4")).code, 0);
+  const auto before = filesOf(folder, "set");
+  std::vector<std::string> other = part;
+  other.insert(other.end(), {"--exposure", "2"});
+  ASSERT_EQ(latelight(small(folder, other, "4")).code, 0);
+  const std::string replaced = folder.read("set/000001.npz");
+  EXPECT_FALSE(replaced == before.at("000001.npz"));
+  fs::remove(folder.path() / "set/000001.npz");
+  fs::create_directory(folder.path() / "set/000001.npz");  // the frame fails, so the set is not merged
+  EXPECT_EQ(latelight(small(folder, part, "4")).code, 6);
+  fs::remove(folder.path() / "set/000001.npz");
+  folder.write("set/000001.npz", std::string_view(replaced));
+  // Another part ends as the last one.
+  EXPECT_EQ(latelight(small(folder, {"--formats", "npz", "--shard", "1/2", "--resume"}, "4")).code, 0);
+  EXPECT_EQ(latelight({.arguments = {"batch", "status", "set"}, .folder = folder.path()}).code, 6);
+  const Outcome back = latelight(small(folder, {"--formats", "npz", "--resume"}, "4"));
+  EXPECT_EQ(back.code, 0) << back.text();
+  expectSame(filesOf(folder, "set"), before);
+}
+
+// The files of a scene, which contain the frame's index, are those of other frames while another scene precedes it.
+TEST(Resume, AnInterruptedJobWithMoreScenesLeavesNothingInTheFirstOne) {
+  for (const std::string_view first : {R"({"asset": )", kCameraAlone}) {
+    Folder folder;
+    folder.write("b.gltf", std::string_view(kCameraAlone));
+    const auto run = [&](std::vector<std::string> more) {
+      more.insert(more.end(), {"--scenes", "?.gltf", "--repeat", "2", "--name", "{scene}-{variation}", "--formats",
+                               "boxes", "-o", "set"});
+      return latelight(batch(folder, more));
+    };
+    ASSERT_EQ(run({}).code, 0);
+    const auto before = filesOf(folder, "set");
+    folder.write("a.gltf", first);
+    const bool isBroken = first != kCameraAlone;
+    const Outcome more = isBroken ? run({"--resume"}) : run({"--resume", "--shard", "1/2"});
+    EXPECT_EQ(more.code, isBroken ? 6 : 0) << more.text();
+    EXPECT_FALSE(folder.read("set/boxes/b-0.json") == before.at("boxes/b-0.json"));
+    if (!isBroken) forgetFrames(folder, "set/.latelight/shard-1-of-2.jsonl");
+    fs::remove(folder.path() / "a.gltf");
+    const Outcome back = run({"--resume"});
+    EXPECT_EQ(back.code, 0) << back.text();
+    expectSame(filesOf(folder, "set"), before);
+  }
+}
+
 TEST(Resume, MoreVariationsAreRenderedBesideThoseThatAreThere) {
   Folder folder;
   ASSERT_EQ(latelight(small(folder, {})).code, 0);

@@ -97,7 +97,7 @@ BatchResult runBatch(const Job& job, const BatchOptions& options) {
   Plan plan = planOf(job, set, options.shard, isNew);
   plan.save(set.plan());
   const auto [first, end] = options.shard.range(plan.frames());
-  const Manifest found = findFinished(set, plan, options.shard);
+  const Manifest found = findFinished(set, job, plan, options.shard);
   ShardLog log(set.shard(options.shard), found);
   for (const PlannedScene& scene : plan.scenes())
     if (!scene.error.empty()) log.failed(scene.source, scene.error);

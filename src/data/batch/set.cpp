@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/parallel.h"
+#include "data/batch/shard_files.h"
 #include "data/batch/shard_log.h"
 #include "data/json_text.h"
 
@@ -36,12 +37,23 @@ void requireSet(const SetFolder& set) {
   if (!isThere(set.plan())) badInput("'{}' holds no data set", set.path().string());
 }
 
+using PathAndManifest = std::pair<fs::path, Manifest>;
+
 // Returns the manifest and all shard logs of the set, each with its path.
-std::vector<std::pair<fs::path, Manifest>> manifestsOf(const SetFolder& set) {
-  std::vector<std::pair<fs::path, Manifest>> all;
+std::vector<PathAndManifest> manifestsOf(const SetFolder& set) {
+  std::vector<PathAndManifest> all;
   if (isThere(set.manifest())) all.emplace_back(set.manifest(), readManifest(set.manifest()));
   for (const fs::path& shard : set.shards()) all.emplace_back(shard, readShardLog(shard));
   return all;
+}
+
+// Returns the files of the logs among these manifests. The manifest of the whole set is older than all logs. A log that
+// is the only manifest does not dispute its own frames.
+ShardFiles shardFilesOf(const SetFolder& set, const std::vector<PathAndManifest>& all) {
+  ShardFiles files(set.path());
+  for (const auto& [path, manifest] : all)
+    if (all.size() > 1 && path != set.manifest()) files.add(manifest);
+  return files;
 }
 
 // Returns true if the set is not merged and all existing shard logs are of other shards of this job.
@@ -63,6 +75,30 @@ bool isFinished(const SetFolder& set, const Plan& plan, const FinishedFrame& fra
   return frame.index < plan.frames() && plan.at(frame.index) && frame.settings == plan.settings(frame.index) &&
          std::ranges::all_of(frame.files, [&](const FileRecord& file) { return isRecorded(set, file); }) &&
          std::ranges::all_of(frame.archives, [&](const FileRecord& file) { return isRecorded(set, file); });
+}
+
+void addFiles(const FinishedFrame& frame, std::set<std::string>& names) {
+  for (const FileRecord& file : frame.files) names.insert(file.name);
+}
+
+// Adds to the stale files those of other shards' frames, rendered by other plans, that this shard's missing frames
+// will replace: a plan with other scenes or cameras may give a file to a frame of another shard.
+void addReplaced(const Job& job, const Plan& plan, const Shard& shard, const std::set<std::string>& filesOfOthers,
+                 Manifest& found) {
+  if (filesOfOthers.empty()) return;
+  const auto [first, end] = shard.range(plan.frames());
+  for (uint64_t index = first; index < end; ++index) {
+    if (!plan.at(index) || found.frames.contains(index)) continue;
+    const DataFrame frame = plan.frame(index);
+    for (const JobFormat& use : job.formats)
+      for (const FormatFile& file : use.format->files(frame)) {
+        const bool isFolder = file.name.ends_with('/');
+        for (auto other = filesOfOthers.lower_bound(file.name); other != filesOfOthers.end(); ++other) {
+          if (isFolder ? !other->starts_with(file.name) : *other != file.name) break;
+          found.stale.insert(*other);
+        }
+      }
+  }
 }
 
 // Returns one sentence per symbolic link below the set's folder that does not lead to anything in it. A process that
@@ -145,15 +181,44 @@ std::vector<Json> sceneEntriesOf(const Json& plan, size_t format) {
   return all;
 }
 
+// Removes files, and the folders below the set's own that become empty.
+template <typename Names>
+void removeFiles(const SetFolder& set, const Names& names) {
+  std::set<fs::path> folders;
+  std::error_code ignored;
+  for (const std::string& name : names) {
+    fs::remove(set.path() / name, ignored);
+    for (fs::path folder = fs::path(name).parent_path(); !folder.empty(); folder = folder.parent_path())
+      folders.insert(folder);
+  }
+  // In reverse order, a folder follows those in it.
+  for (const fs::path& folder : std::views::reverse(folders))
+    if (fs::is_empty(set.path() / folder, ignored)) fs::remove(set.path() / folder, ignored);
+}
+
+// Removes the packed files of frames that are in archives. A run of another job that was interrupted has written them,
+// and formats prefer them to the archives.
+void removeReplacedPackedFiles(const SetFolder& set, const Manifest& manifest, const std::vector<JobFormat>& formats) {
+  std::vector<std::string> names;
+  for (const auto& [index, frame] : manifest.frames)
+    for (size_t i = 0; i < formats.size(); ++i) {
+      const std::optional<PackedFile> packed = formats[i].format->packed(frame.entries[i]);
+      const auto isPacked = [&](const FileRecord& file) { return file.name == packed->file; };
+      if (packed && std::ranges::none_of(frame.files, isPacked)) names.push_back(packed->file);
+    }
+  removeFiles(set, names);
+}
+
 // Returns the names of the frames' files that are now in archives and no longer required.
 std::vector<std::string> writeSetFiles(const SetFolder& set, Manifest& manifest) {
   checkArchives(set, manifest);
   manifest.setFiles.clear();
-  for (auto& [index, frame] : manifest.frames) frame.archives.clear();
-  std::vector<std::string> packedFiles;
   const std::vector<JobFormat> formats = formatsOf(readState(set.job()));
   checkEntries(set, manifest, formats.size());
   const Json plan = readState(set.plan());
+  removeReplacedPackedFiles(set, manifest, formats);
+  for (auto& [index, frame] : manifest.frames) frame.archives.clear();
+  std::vector<std::string> packedFiles;
   for (size_t i = 0; i < formats.size(); ++i) {
     std::vector<Json> entries;  // moved from the frames and back, because they may be large
     for (auto& [index, frame] : manifest.frames) entries.push_back(std::move(frame.entries.at(i)));
@@ -171,21 +236,6 @@ std::vector<std::string> writeSetFiles(const SetFolder& set, Manifest& manifest)
   return packedFiles;
 }
 
-// Removes files, and the folders below the set's own that become empty.
-template <typename Names>
-void removeFiles(const SetFolder& set, const Names& names) {
-  std::set<fs::path> folders;
-  std::error_code ignored;
-  for (const std::string& name : names) {
-    fs::remove(set.path() / name, ignored);
-    for (fs::path folder = fs::path(name).parent_path(); !folder.empty(); folder = folder.parent_path())
-      folders.insert(folder);
-  }
-  // In reverse order, a folder follows those in it.
-  for (const fs::path& folder : std::views::reverse(folders))
-    if (fs::is_empty(set.path() / folder, ignored)) fs::remove(set.path() / folder, ignored);
-}
-
 void removeStale(const SetFolder& set, const SetStatus& status) {
   std::set<std::string> stale = status.manifest.stale;
   stale.insert(status.otherFiles.begin(), status.otherFiles.end());
@@ -199,9 +249,11 @@ void join(const SetFolder& set, SetStatus& status) {
   const std::vector<std::string> packedFiles = writeSetFiles(set, status.manifest);
   removeStale(set, status);
   status.manifest.stale.clear();
+  // A log is newer than the manifest, so none of another job may outlast the manifest that replaces its frames.
+  std::error_code ignored;
+  for (const fs::path& log : status.otherLogs) fs::remove(log, ignored);
   writeManifest(set.manifest(), status.manifest);
   removeFiles(set, packedFiles);
-  std::error_code ignored;
   for (const fs::path& shard : set.shards()) fs::remove(shard, ignored);
 }
 
@@ -280,21 +332,31 @@ void removeNewSet(const SetFolder& set, const Shard& shard) {
   if (fs::remove(set.state(), ignored)) fs::remove(set.path(), ignored);
 }
 
-Manifest findFinished(const SetFolder& set, const Plan& plan, const Shard& shard) {
+Manifest findFinished(const SetFolder& set, const Job& job, const Plan& plan, const Shard& shard) {
   Manifest found{.plan = plan.hash()};
   const auto [first, end] = shard.range(plan.frames());
   const bool isLast = shard.index + 1 == shard.count;
-  for (auto& [path, there] : manifestsOf(set)) {
+  std::vector<PathAndManifest> manifests = manifestsOf(set);
+  const ShardFiles shardFiles = shardFilesOf(set, manifests);
+  std::set<std::string> filesOfOthers;
+  for (auto& [path, there] : manifests) {
     if (path == set.shard(shard)) found.stale.merge(there.stale);
+    std::map<uint64_t, FinishedFrame> finished;
     for (auto& [index, frame] : there.frames) {
       const bool ours = index >= first && (index < end || (isLast && index >= plan.frames()));
-      if (!ours) continue;
-      if (isFinished(set, plan, frame))
-        found.frames.insert_or_assign(index, std::move(frame));
-      else
-        for (const FileRecord& file : frame.files) found.stale.insert(file.name);
+      if (ours && isFinished(set, plan, frame))
+        finished.emplace(index, std::move(frame));
+      else if (ours)
+        addFiles(frame, found.stale);
+      else if (there.plan != found.plan)
+        addFiles(frame, filesOfOthers);
     }
+    for (const FinishedFrame& frame : shardFiles.takeReplaced(finished)) addFiles(frame, found.stale);
+    for (auto& [index, frame] : finished) found.frames.insert_or_assign(index, std::move(frame));
   }
+  addReplaced(job, plan, shard, filesOfOthers, found);
+  for (const auto& [index, frame] : found.frames)
+    for (const FileRecord& file : frame.files) found.stale.erase(file.name);
   return found;
 }
 
@@ -303,13 +365,17 @@ SetStatus readStatus(const SetFolder& set) {
   const Json plan = readState(set.plan());
   SetStatus status{.frames = plan.value("frames", uint64_t{0}), .manifest = {.plan = plan.value("hash", uint64_t{0})}};
   Manifest& all = status.manifest;
-  for (auto& [path, there] : manifestsOf(set)) {
+  std::vector<PathAndManifest> manifests = manifestsOf(set);
+  const ShardFiles shardFiles = shardFilesOf(set, manifests);
+  for (auto& [path, there] : manifests) {
     const bool current = there.plan == all.plan;
+    if (!current && path != set.manifest()) status.otherLogs.push_back(path);
+    if (current) shardFiles.takeReplaced(there.frames);
     for (auto& [index, frame] : there.frames)
       if (current)
         all.frames.insert_or_assign(index, std::move(frame));
       else
-        for (const FileRecord& file : frame.files) status.otherFiles.insert(file.name);
+        addFiles(frame, status.otherFiles);
     for (const FileRecord& file : there.setFiles)
       current ? all.setFiles.push_back(file) : void(status.otherFiles.insert(file.name));
     if (current) all.failed.merge(there.failed);

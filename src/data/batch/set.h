@@ -65,14 +65,16 @@ bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resu
 void removeNewSet(const SetFolder& set, const Shard& shard);
 
 // Collects the finished frames of a shard from all manifests in the folder: frames whose settings hash matches the plan
-// and whose files exist. The files of the shard's other frames are stale.
-Manifest findFinished(const SetFolder& set, const Plan& plan, const Shard& shard);
+// and whose files exist, and were not replaced by a run of another job. The files of the shard's other frames are
+// stale, as are those of other shards' frames that the shard will replace.
+Manifest findFinished(const SetFolder& set, const Job& job, const Plan& plan, const Shard& shard);
 
 // The state of a set, determined only from its folder.
 struct SetStatus {
-  uint64_t frames = 0;               // planned number of frames
-  Manifest manifest;                 // frames of the current plan, from all shards
-  std::set<std::string> otherFiles;  // files of frames that another plan rendered
+  uint64_t frames = 0;                           // planned number of frames
+  Manifest manifest;                             // frames of the current plan, from all shards
+  std::set<std::string> otherFiles;              // files of frames that another plan rendered
+  std::vector<std::filesystem::path> otherLogs;  // shard logs of other plans
   uint64_t missing() const { return frames - std::min<uint64_t>(frames, manifest.frames.size()); }
 };
 // Throws Error(BadInput) if the folder contains no set.
