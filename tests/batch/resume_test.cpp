@@ -192,6 +192,19 @@ TEST(Resume, AnInterruptedJobWithMoreScenesLeavesNothingInTheFirstOne) {
   }
 }
 
+// The formats of the stored job write the files of the whole set.
+TEST(Resume, ARejectedJobLeavesTheStoredOne) {
+  Folder folder;
+  ASSERT_EQ(latelight(small(folder, {"--formats", "coco"})).code, 0);
+  const std::string job = folder.read("set/.latelight/job.json");
+  const Outcome rejected = latelight(
+      small(folder, {"--formats", "bop", "--cameras", R"({"type": "scene", "names": ["missing"]})", "--resume"}));
+  EXPECT_EQ(rejected.code, 2) << rejected.text();
+  EXPECT_EQ(folder.read("set/.latelight/job.json"), job);
+  const Outcome merged = latelight({.arguments = {"batch", "merge", "set"}, .folder = folder.path()});
+  EXPECT_EQ(merged.code, 0) << merged.text();
+}
+
 TEST(Resume, MoreVariationsAreRenderedBesideThoseThatAreThere) {
   Folder folder;
   ASSERT_EQ(latelight(small(folder, {})).code, 0);

@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
 #include "base/error.h"
 #include "batch/sets.h"
 #include "data/batch/shard.h"
@@ -206,6 +209,17 @@ TEST(Shards, AreNotMergedByAnotherJob) {
   const Outcome formats = mergedBy(R"({"formats": ["coco", "yolo"]})");
   EXPECT_EQ(formats.code, 3) << formats.text();
   EXPECT_THAT(formats.err, HasSubstr("'set' has frames of another job"));
+  const std::string_view sameNumber[] = {R"({"formats": ["bop"]})",
+                                         R"({"formats": [{"format": "coco", "categories": {"plastic": "cup"}}]})"};
+  for (const std::string_view job : sameNumber) {
+    const Outcome merged = mergedBy(job);
+    EXPECT_EQ(merged.code, 3) << merged.text();
+    EXPECT_THAT(merged.err, HasSubstr("'set' has frames of another job"));
+  }
+  // Plans of version 0.2.0 do not name their job.
+  auto plan = nlohmann::json::parse(folder.read("set/.latelight/plan.json"));
+  EXPECT_EQ(plan.erase("document"), 1u);
+  folder.write("set/.latelight/plan.json", std::string_view(plan.dump()));
   const Outcome categories = mergedBy(R"({"formats": [{"format": "coco", "categories": {"plastic": "unheard of"}}]})");
   EXPECT_EQ(categories.code, 3) << categories.text();
   EXPECT_THAT(categories.err, HasSubstr("which the job does not define: run the job with --resume"));

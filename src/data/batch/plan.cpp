@@ -182,6 +182,10 @@ std::vector<std::filesystem::path> filesOfJob(const Job& job) {
   return files;
 }
 
+uint64_t hashOfJob(const Json& document) {
+  return hashOf(document);
+}
+
 Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   checkPattern(job.name);
   const Json& d = job.document;
@@ -421,6 +425,7 @@ uint64_t Plan::hash() const {
 void Plan::save(const std::filesystem::path& path) const {
   Json json = describe();
   json["hash"] = hashOf(json);
+  json["document"] = hashOfJob(job_.document);
   const std::string text = dumped(json) + "\n";
   writeFile(path, std::as_bytes(std::span(text)));
 }

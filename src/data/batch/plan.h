@@ -42,6 +42,9 @@ struct FrameLocation {
 // Files that do not exist may be among them.
 std::vector<std::filesystem::path> filesOfJob(const Job& job);
 
+// The hash of a job's document, by which a saved plan names its job.
+uint64_t hashOfJob(const nlohmann::ordered_json& document);
+
 class Plan {
  public:
   // Loads scenes to determine their cameras and entries, except scenes in the plan that an earlier run wrote to

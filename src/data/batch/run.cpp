@@ -95,7 +95,7 @@ BatchResult runBatch(const Job& job, const BatchOptions& options) {
   const SetLock lock(set.shard(options.shard));
   stopOnSignals();
   Plan plan = planOf(job, set, options.shard, isNew);
-  plan.save(set.plan());
+  saveJob(set, job, plan);
   const auto [first, end] = options.shard.range(plan.frames());
   const Manifest found = findFinished(set, job, plan, options.shard);
   ShardLog log(set.shard(options.shard), found);

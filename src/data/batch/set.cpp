@@ -148,13 +148,14 @@ std::optional<std::string> moveToArchive(const Format& format, const Json& entry
   return packed->file;
 }
 
-// Throws if the frames were written in other formats: the job is stored before its plan, and a process may be killed in
-// between.
-void checkEntries(const SetFolder& set, const Manifest& manifest, size_t formats) {
-  for (const auto& [index, frame] : manifest.frames)
-    if (frame.entries.size() != formats)
-      badInput("'{}' has frames of another job than '{}': run the job again with --resume", set.path().string(),
-               set.job().string());
+// Throws if the plan, and with it the frames, are of another job than the stored one: a process may be killed after it
+// has stored its job and before it has stored its plan. Plans of version 0.2.0 do not name their job.
+void checkJob(const SetFolder& set, const Manifest& manifest, const Json& job, const Json& plan, size_t formats) {
+  const auto hasFormats = [&](const auto& frame) { return frame.second.entries.size() == formats; };
+  const uint64_t hash = hashOfJob(job);
+  if (plan.value("document", hash) != hash || !std::ranges::all_of(manifest.frames, hasFormats))
+    badInput("'{}' has frames of another job than '{}': run the job again with --resume", set.path().string(),
+             set.job().string());
 }
 
 // Throws if an archive of the set, from which writeSet() may copy frames, was changed after it was written: its new
@@ -213,9 +214,9 @@ void removeReplacedPackedFiles(const SetFolder& set, const Manifest& manifest, c
 std::vector<std::string> writeSetFiles(const SetFolder& set, Manifest& manifest) {
   checkArchives(set, manifest);
   manifest.setFiles.clear();
-  const std::vector<JobFormat> formats = formatsOf(readState(set.job()));
-  checkEntries(set, manifest, formats.size());
-  const Json plan = readState(set.plan());
+  const Json job = readState(set.job()), plan = readState(set.plan());
+  const std::vector<JobFormat> formats = formatsOf(job);
+  checkJob(set, manifest, job, plan, formats.size());
   removeReplacedPackedFiles(set, manifest, formats);
   for (auto& [index, frame] : manifest.frames) frame.archives.clear();
   std::vector<std::string> packedFiles;
@@ -317,8 +318,6 @@ bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resu
   std::error_code error;
   const bool isNew = fs::create_directories(set.state(), error);
   if (error) badUsage("can't create the folder '{}': {}", set.state().string(), error.message());
-  const std::string text = dumped(job.document) + "\n";
-  writeFile(set.job(), std::as_bytes(std::span(text)));
   return isNew;
 }
 
@@ -326,10 +325,15 @@ bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resu
 void removeNewSet(const SetFolder& set, const Shard& shard) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(set.state(), ignored))
-    if (entry.path() != set.job() && entry.path() != set.lock(shard)) return;
-  fs::remove(set.job(), ignored);
+    if (entry.path() != set.lock(shard)) return;
   fs::remove(set.lock(shard), ignored);
   if (fs::remove(set.state(), ignored)) fs::remove(set.path(), ignored);
+}
+
+void saveJob(const SetFolder& set, const Job& job, const Plan& plan) {
+  const std::string text = dumped(job.document) + "\n";
+  writeFile(set.job(), std::as_bytes(std::span(text)));
+  plan.save(set.plan());
 }
 
 Manifest findFinished(const SetFolder& set, const Job& job, const Plan& plan, const Shard& shard) {

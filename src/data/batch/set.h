@@ -57,12 +57,15 @@ class SetLock {
 // `resume`, if the set has a link that leads out of its folder.
 void checkSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume);
 
-// Creates the folder after checkSet(), and writes the job's document. Returns true if it created the set.
+// Creates the folder after checkSet(). Returns true if it created the set.
 bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume);
 
-// Removes a set that openSet() created and that holds nothing but the job and the lock of this shard, which the caller
-// holds.
+// Removes a set that openSet() created and that holds nothing but the lock of this shard, which the caller holds.
 void removeNewSet(const SetFolder& set, const Shard& shard);
+
+// Replaces the job's document and the plan. Call it after the job was accepted and its plan made: formats write the
+// files of the whole set by this document.
+void saveJob(const SetFolder& set, const Job& job, const Plan& plan);
 
 // Collects the finished frames of a shard from all manifests in the folder: frames whose settings hash matches the plan
 // and whose files exist, and were not replaced by a run of another job. The files of the shard's other frames are
