@@ -213,22 +213,38 @@ std::string nameBefore(const std::string& folder, const BatchArguments& a) {
   return a.folders.size() > 1 ? printable(folder) + ": " : "";
 }
 
+// A merge may have failed, for example because the disk was full.
+bool lacksMerge(const data::SetStatus& status) {
+  return status.missing() == 0 && !status.isMerged;
+}
+
+[[noreturn]] void failUnmerged(const std::string& folders) {
+  fail(ExitCode::BadInput, "all frames of {} are finished, but not merged: run latelight batch merge", folders);
+}
+
+void addQuoted(std::string& list, const std::string& folder) {
+  list += fmt::format("{}'{}'", list.empty() ? "" : ", ", folder);
+}
+
 void printStatus(const BatchArguments& a) {
   bool isComplete = true;
+  std::string unmerged;
   for (const std::string& folder : a.folders) {
     const data::SetStatus status = data::readStatus(data::SetFolder(folder));
     const std::string before = nameBefore(folder, a);
     for (const auto& failure : status.manifest.failed) fmt::print("{}{}\n", before, printable(sentenceOf(failure)));
     fmt::print("{}{} of {} frames are finished\n", before, status.manifest.frames.size(), status.frames);
     isComplete = isComplete && status.missing() == 0;
+    if (lacksMerge(status)) addQuoted(unmerged, folder);
   }
+  if (!unmerged.empty()) failUnmerged(unmerged);
   if (!isComplete) throw Exit{ExitCode::SomeFramesFailed};
 }
 
 // Checks every folder before it fails, so that one run lists all damaged files.
 void verify(const BatchArguments& a) {
   size_t count = 0;
-  std::string damaged;
+  std::string damaged, unmerged;
   for (const std::string& folder : a.folders) {
     const data::SetFolder set(folder);
     const data::SetStatus status = data::readStatus(set);
@@ -239,12 +255,14 @@ void verify(const BatchArguments& a) {
                  status.manifest.frames.size());
     } else {
       count += wrong.size();
-      damaged += fmt::format("{}'{}'", damaged.empty() ? "" : ", ", folder);
+      addQuoted(damaged, folder);
     }
+    if (lacksMerge(status)) addQuoted(unmerged, folder);
   }
   if (count > 0)
     fail(ExitCode::BadInput, "{} files of {} differ from what was written: remove them, and run the job with --resume",
          count, damaged);
+  if (!unmerged.empty()) failUnmerged(unmerged);
 }
 
 // Rejects a job and its options before the subcommand, because `batch` does not run then.

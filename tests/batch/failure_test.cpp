@@ -82,6 +82,25 @@ TEST(Failures, WhatIsMissingMayBeLeftOut) {
   EXPECT_THAT(manifest["failed"][0]["name"].get<std::string>(), HasSubstr("b.gltf"));
 }
 
+TEST(Failures, ASetWhoseMergeFailedIsReported) {
+  Folder folder;
+  const auto run = [&](const char* command) {
+    return latelight({.arguments = {"batch", command, "set"}, .folder = folder.path()});
+  };
+  fs::create_directories(folder.path() / "set/.latelight");
+  fs::create_directories(folder.path() / "set/annotations/instances.json");
+  const Outcome outcome = latelight(
+      batch(folder, {"--scenes", "builtin:boxes", "--repeat", "2", "--formats", "coco", "-o", "set", "--resume"}));
+  EXPECT_EQ(outcome.code, 2) << outcome.text();
+  for (const char* command : {"status", "verify"}) {
+    const Outcome unmerged = run(command);
+    EXPECT_EQ(unmerged.code, 3) << unmerged.text();
+    EXPECT_THAT(unmerged.err, HasSubstr("all frames of 'set' are finished, but not merged: run latelight batch merge"));
+  }
+  fs::remove(folder.path() / "set/annotations/instances.json");
+  for (const char* command : {"merge", "status", "verify"}) EXPECT_EQ(run(command).code, 0) << command;
+}
+
 TEST(Failures, AFrameThatCantBeWrittenTakesNoOtherWithIt) {
   Folder folder;
   const std::vector<std::string> job{"--scenes", "builtin:boxes", "--repeat", "4", "-o", "set", "--resume"};

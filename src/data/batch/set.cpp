@@ -371,8 +371,10 @@ SetStatus readStatus(const SetFolder& set) {
   Manifest& all = status.manifest;
   std::vector<PathAndManifest> manifests = manifestsOf(set);
   const ShardFiles shardFiles = shardFilesOf(set, manifests);
+  status.isMerged = manifests.size() == 1;
   for (auto& [path, there] : manifests) {
     const bool current = there.plan == all.plan;
+    status.isMerged = status.isMerged && current && path == set.manifest();
     if (!current && path != set.manifest()) status.otherLogs.push_back(path);
     if (current) shardFiles.takeReplaced(there.frames);
     for (auto& [index, frame] : there.frames)

@@ -78,6 +78,7 @@ struct SetStatus {
   Manifest manifest;                             // frames of the current plan, from all shards
   std::set<std::string> otherFiles;              // files of frames that another plan rendered
   std::vector<std::filesystem::path> otherLogs;  // shard logs of other plans
+  bool isMerged = false;  // manifest.json is of the current plan, and no shard has written a log since
   uint64_t missing() const { return frames - std::min<uint64_t>(frames, manifest.frames.size()); }
 };
 // Throws Error(BadInput) if the folder contains no set.
