@@ -157,6 +157,9 @@ void report(const data::BatchResult& result, const std::string& folder) {
     if (++warnings <= 20) warn("{}", sentenceOf(failure));
   if (warnings > 20) warn("{} more failed: see latelight batch status {}", warnings - 20, folder);
   const uint64_t missing = result.frames - result.finished;
+  if (result.signal && missing == 0)
+    fail(ExitCode::SomeFramesFailed, "stopped by {} before '{}' was merged; --resume merges it",
+         nameOfSignal(result.signal), folder);
   if (result.signal)
     fail(ExitCode::SomeFramesFailed, "stopped by {} with {} of {} frames in '{}'; --resume makes the others",
          nameOfSignal(result.signal), result.finished, result.frames, folder);

@@ -544,6 +544,38 @@ TEST(FormatsOfABatch, FilmsHaveImagesOfOneSize) {
   EXPECT_EQ(plan(large).code, 0);
 }
 
+void writeProgram(const Folder& folder, const std::string& name, std::string_view script) {
+  folder.write(name, script);
+  std::filesystem::permissions(folder.path() / name, std::filesystem::perms::owner_all);
+}
+
+// A terminal sends Ctrl-C to the process group of the batch, and others send signals to all processes.
+TEST(FormatsOfABatch, ASignalStopsAFilm) {
+  Folder folder;
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--scenes", "builtin:boxes", "-o", "set", "--repeat", "2", "--formats", "video"});
+    app::Command command = batch(folder, more);
+    command.environment["PATH"] = folder.path().string();
+    return latelight(command);
+  };
+  // The fifth field is the process group.
+  writeProgram(folder, "ffmpeg",
+               "#!/bin/sh\n"
+               "read -r _ _ _ _ own _ </proc/$$/stat\n"
+               "read -r _ _ _ _ parent _ </proc/$PPID/stat\n"
+               "[ $own = $parent ] && exit 1\n"
+               "kill -INT $PPID\n"
+               "exit 255\n");
+  const Outcome stopped = run({});
+  EXPECT_EQ(stopped.code, 6) << stopped.text();
+  EXPECT_THAT(stopped.err, HasSubstr("stopped by SIGINT before 'set' was merged"));
+  EXPECT_FALSE(filesOf(folder, "set").contains("video.mp4"));
+  writeProgram(folder, "ffmpeg", "#!/bin/sh\n/bin/cat >/dev/null\necho encoded\n");
+  const Outcome resumed = run({"--resume"});
+  EXPECT_EQ(resumed.code, 0) << resumed.text();
+  EXPECT_EQ(folder.read("set/video.mp4"), "encoded\n");
+}
+
 // A video consists of images that the job writes.
 TEST(FormatsOfABatch, FilmsHaveImages) {
   Folder folder;

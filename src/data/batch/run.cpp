@@ -115,8 +115,14 @@ BatchResult runBatch(const Job& job, const BatchOptions& options) {
   log.end();
   set.log(fmt::format("{} ends: {} of {} frames are finished", shard, log.frames(), end - first));
   if (error) std::rethrow_exception(error);
-  mergeIfComplete(set);
-  return {end - first, log.frames(), log.whyFailed(), log.frames() < end - first ? stopSignal() : 0};
+  BatchResult result{end - first, log.frames(), log.whyFailed()};
+  if (result.finished < result.frames) result.signal = stopSignal();
+  try {
+    mergeIfComplete(set);
+  } catch (const Stopped& stopped) {
+    result.signal = stopped.signal;
+  }
+  return result;
 }
 
 }  // namespace latelight::data

@@ -24,7 +24,7 @@ struct BatchOptions {
 struct BatchResult {
   uint64_t frames = 0, finished = 0;          // numbers of frames in the shard
   std::map<std::string, std::string> failed;  // reasons by name of the frame or scene
-  int signal = 0;                             // the signal that stopped the run early; 0: none
+  int signal = 0;                             // the signal that stopped the run or its merge early; 0: none
 };
 
 // Renders the missing frames of a shard. The shard that completes the set also merges it. Throws Error for problems

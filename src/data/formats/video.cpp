@@ -1,5 +1,6 @@
 // The format "video": the frames as an mp4 video, encoded by ffmpeg.
 #include <fcntl.h>
+#include <signal.h>
 #include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -17,6 +18,7 @@
 #include "data/formats/frame_files.h"
 #include "data/formats/options.h"
 #include "data/formats/picture_file.h"
+#include "data/stop.h"
 
 namespace latelight::data {
 
@@ -37,7 +39,7 @@ bool isInstalled(const char* program) {
 }
 
 // A running ffmpeg process. It reads pictures from a socket instead of a pipe, so that send() returns an error without
-// a signal if the process ends early.
+// a signal if the process ends early. Its own process group keeps the terminal from sending it Ctrl-C.
 class Ffmpeg {
  public:
   // `output` is the descriptor of the open output file. It becomes the child's standard output, /proc/self/fd/1.
@@ -50,19 +52,27 @@ class Ffmpeg {
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setpgroup(&attributes, 0);
     std::vector<char*> texts;
     for (std::string& argument : arguments) texts.push_back(argument.data());
     texts.push_back(nullptr);
-    const int error = posix_spawnp(&child_, texts[0], &actions, nullptr, texts.data(), environ);
+    const int error = posix_spawnp(&child_, texts[0], &actions, &attributes, texts.data(), environ);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
     if (error == 0) return;
     close(input_);  // the destructor of an object whose constructor fails does not run
     failed(error);
   }
+  // Ends a process that is still encoding, because the video is not needed.
   ~Ffmpeg() {
     close(input_);
-    if (child_ != 0) wait();
+    if (child_ == 0) return;
+    kill(child_, SIGKILL);
+    wait();
   }
   Ffmpeg(const Ffmpeg&) = delete;
   Ffmpeg& operator=(const Ffmpeg&) = delete;
@@ -149,9 +159,14 @@ class Video : public Format {
     if (file.error() != 0) failToWrite(path, file.error());
     Ffmpeg ffmpeg(arguments(), file.get());
     bool made = true;
-    for (const Json& entry : entries) made = made && ffmpeg.send(readFile(folder / entry.get<std::string>()));
-    if (!ffmpeg.finish() || !made)
+    for (const Json& entry : entries) {
+      throwIfStopped();
+      made = made && ffmpeg.send(readFile(folder / entry.get<std::string>()));
+    }
+    if (!ffmpeg.finish() || !made) {
+      throwIfStopped();  // a signal to all processes of a job, as Slurm sends it, also ends ffmpeg
       badUsage("ffmpeg failed to encode '{}'; check that the disk is not full", path.string());
+    }
     if (const int error = file.become(path)) failToWrite(path, error);
     return {file_};
   }
