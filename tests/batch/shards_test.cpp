@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "batch/sets.h"
+#include "data/batch/parts_lock.h"
 #include "data/batch/shard.h"
 
 namespace latelight::data {
@@ -223,6 +224,22 @@ TEST(Shards, AreNotMergedByAnotherJob) {
   const Outcome categories = mergedBy(R"({"formats": [{"format": "coco", "categories": {"plastic": "unheard of"}}]})");
   EXPECT_EQ(categories.code, 3) << categories.text();
   EXPECT_THAT(categories.err, HasSubstr("which the job does not define: run the job with --resume"));
+}
+
+// Parts of different numbers overlap.
+TEST(Shards, ProcessesUseTheSameNumber) {
+  PartsFolder folder;
+  std::filesystem::create_directories(folder.path() / "set/.latelight");
+  const auto run = [&] { return latelight(parts(folder, "set", {"--shard", "0/2", "--resume"}, "1")); };
+  {
+    const PartsLock others(folder.path() / "set/.latelight/parts.lock", 3);
+    const Outcome refused = run();
+    EXPECT_EQ(refused.code, 2) << refused.text();
+    EXPECT_THAT(refused.err, HasSubstr("another process is rendering 'set' in 3 parts, and this one would in 2"));
+  }
+  const PartsLock another(folder.path() / "set/.latelight/parts.lock", 2);
+  const Outcome done = run();
+  EXPECT_EQ(done.code, 0) << done.text();
 }
 
 }  // namespace

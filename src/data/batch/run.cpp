@@ -12,6 +12,7 @@
 #include "base/fatal_signals.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "data/batch/parts_lock.h"
 #include "data/batch/worker.h"
 #include "data/stop.h"
 
@@ -93,6 +94,7 @@ BatchResult runBatch(const Job& job, const BatchOptions& options) {
   const SetFolder set(job.folder);
   const bool isNew = openSet(set, job, options.shard, options.resume);
   const SetLock lock(set.shard(options.shard));
+  const PartsLock parts(set.partsLock(), options.shard.count);
   stopOnSignals();
   Plan plan = planOf(job, set, options.shard, isNew);
   saveJob(set, job, plan);

@@ -325,8 +325,9 @@ bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resu
 void removeNewSet(const SetFolder& set, const Shard& shard) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(set.state(), ignored))
-    if (entry.path() != set.lock(shard)) return;
+    if (entry.path() != set.lock(shard) && entry.path() != set.partsLock()) return;
   fs::remove(set.lock(shard), ignored);
+  fs::remove(set.partsLock(), ignored);
   if (fs::remove(set.state(), ignored)) fs::remove(set.path(), ignored);
 }
 

@@ -30,6 +30,7 @@ class SetFolder {
   std::filesystem::path plan() const { return state() / "plan.json"; }
   std::filesystem::path shard(const Shard& shard) const { return state() / ("shard-" + shard.name() + ".jsonl"); }
   std::filesystem::path lock(const Shard& shard) const { return this->shard(shard).replace_extension(".lock"); }
+  std::filesystem::path partsLock() const { return state() / "parts.lock"; }
   std::vector<std::filesystem::path> shards() const;  // existing shard logs, sorted by name
 
   // Appends a line to the log, with the time and the machine. Errors are ignored.
@@ -60,7 +61,7 @@ void checkSet(const SetFolder& set, const Job& job, const Shard& shard, bool res
 // Creates the folder after checkSet(). Returns true if it created the set.
 bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume);
 
-// Removes a set that openSet() created and that holds nothing but the lock of this shard, which the caller holds.
+// Removes a set that openSet() created and that holds nothing but the locks of this shard, which the caller holds.
 void removeNewSet(const SetFolder& set, const Shard& shard);
 
 // Replaces the job's document and the plan. Call it after the job was accepted and its plan made: formats write the
