@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "batch/sets.h"
+#include "small_disk.h"
 
 namespace latelight::data {
 namespace {
@@ -210,6 +211,8 @@ TEST(BatchCommand, DryRunsCheckTheFolder) {
   folder.write("foreign/mine", std::string_view("mine"));
   const std::pair<std::string, std::string> sets[] = {{"file", "'file' is not an empty folder"},
                                                       {"foreign", "'foreign' is not an empty folder"},
+                                                      {"file/set", "can't create the folder 'file/set/.latelight'"},
+                                                      {std::string(300, 'x'), "File name too long"},
                                                       {"a{b}", "has a brace in its name"}};
   for (const bool isDry : {true, false})
     for (const auto& [set, sentence] : sets) {
@@ -222,6 +225,19 @@ TEST(BatchCommand, DryRunsCheckTheFolder) {
   ASSERT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", "set"})).code, 0);
   EXPECT_THAT(latelight(dryRun(folder, {})).err, HasSubstr("'set' already contains a data set"));
   EXPECT_EQ(frames(latelight(dryRun(folder, {"--resume"}))), "0");
+}
+
+TEST(BatchCommand, DryRunsCheckTheFileSystem) {
+  const test::SmallDisk disk(64 << 10);
+  if (!disk) GTEST_SKIP() << "no right to mount";
+  ASSERT_EQ(mount("tmpfs", disk.path().c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, ""), 0);
+  const Folder folder;
+  fs::create_directory_symlink(disk.path(), folder.path() / "disk");
+  for (const char* dry : {"--dry-run", "--quiet"}) {
+    const Outcome outcome = latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", "disk/set", dry}));
+    EXPECT_EQ(outcome.code, 2) << outcome.text();
+    EXPECT_THAT(outcome.err, HasSubstr("can't create the folder 'disk/set/.latelight': Read-only file system"));
+  }
 }
 
 // The numbers of a job are repeated as written.

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstring>
 #include <ranges>
+#include <system_error>
 #include <unordered_map>
 
 #include "base/error.h"
@@ -127,6 +128,20 @@ std::vector<std::string> wrongLinks(const SetFolder& set) {
 void requireOwnFiles(const SetFolder& set) {
   const std::vector<std::string> wrong = wrongLinks(set);
   if (!wrong.empty()) badUsage("{}", wrong.front());
+}
+
+// Throws if the set's folders cannot be created, or written if they exist.
+void requireWritable(const SetFolder& set) {
+  std::error_code error;
+  const bool isNew = !fs::exists(fs::status(set.state(), error));
+  if (!error || error == std::errc::no_such_file_or_directory) {
+    fs::path folder = fs::absolute(set.state(), error);
+    while (folder.has_relative_path() && !isThere(folder)) folder = folder.parent_path();
+    if (access(folder.c_str(), W_OK | X_OK) == 0) return;
+    error.assign(errno, std::generic_category());
+  }
+  badUsage("can't {} the folder '{}': {}; make it writable, or choose another", isNew ? "create" : "write to",
+           set.state().string(), error.message());
 }
 
 // Creates the formats of a stored job document. They do not depend on the output folder, which it lacks.
@@ -311,6 +326,7 @@ void checkSet(const SetFolder& set, const Job& job, const Shard& shard, bool res
   if (isSet && !resume && !isOfOthers(set, job, shard))
     badUsage("'{}' already contains a data set: add --resume to complete it, or choose another folder", name);
   if (resume) requireOwnFiles(set);
+  requireWritable(set);
 }
 
 bool openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume) {

@@ -55,7 +55,7 @@ class SetLock {
 
 // Throws Error(Usage) if the set is a file, or if its folder contains files of anything but a data set. Without
 // `resume`, also throws if it contains a data set, unless only other shards of this job have written to it; with
-// `resume`, if the set has a link that leads out of its folder.
+// `resume`, if the set has a link that leads out of its folder. Also throws if the folder cannot be created or written.
 void checkSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume);
 
 // Creates the folder after checkSet(). Returns true if it created the set.
