@@ -576,6 +576,21 @@ TEST(FormatsOfABatch, ASignalStopsAFilm) {
   EXPECT_EQ(folder.read("set/video.mp4"), "encoded\n");
 }
 
+TEST(FormatsOfABatch, AMissingPieceOfAnArchiveIsNamed) {
+  Folder folder;
+  const auto run = [&](const char* part, const char* resume) {
+    return latelight(batch(folder, {"--scenes", "builtin:boxes", "--repeat", "2", "--formats", "webdataset", "-o",
+                                    "set", "--shard", part, resume}));
+  };
+  ASSERT_EQ(run("0/2", "--quiet").code, 0);
+  ASSERT_TRUE(std::filesystem::remove(folder.path() / "set/shards/.frames/000000000.tar"));
+  const Outcome outcome = run("1/2", "--quiet");
+  EXPECT_EQ(outcome.code, 3) << outcome.text();
+  EXPECT_THAT(outcome.err, HasSubstr("'set/shards/.frames/000000000.tar' is missing: run the job with --resume"));
+  EXPECT_EQ(run("0/2", "--resume").code, 0);
+  EXPECT_EQ(latelight({.arguments = {"batch", "verify", "set"}, .folder = folder.path()}).code, 0);
+}
+
 // A video consists of images that the job writes.
 TEST(FormatsOfABatch, FilmsHaveImages) {
   Folder folder;

@@ -157,6 +157,7 @@ class WebDataset : public Format {
         pieces.push_back({own, {0, bytes}});
         continue;
       }
+      if (!isThere(path)) badInput("'{}' is missing: run the job with --resume", own.string());
       if (packed.empty()) packed = rangesOfTarKeys(path);
       const auto range = packed.find(entry["key"].get<std::string>());
       if (range == packed.end())
