@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <optional>
-
 #include "base/error.h"
 #include "base/log.h"
 #include "base/text.h"

@@ -1,6 +1,5 @@
 // Writes skins and animations. Animated properties of materials, lights and cameras are channels of
 // KHR_animation_pointer.
-#include <numeric>
 
 #include "export/nodes.h"
 #include "scene/animated_pointers.h"

@@ -1,7 +1,5 @@
 #include "labels/projector.h"
 
-#include <cmath>
-
 namespace latelight::labels {
 
 Projector::Projector(const output::CameraMetadata& camera) : camera_(camera) {

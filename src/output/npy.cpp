@@ -8,8 +8,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <limits>
-#include <optional>
 #include <string>
 #include <string_view>
 

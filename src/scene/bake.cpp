@@ -1,7 +1,6 @@
 #include "scene/bake.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>

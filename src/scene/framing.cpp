@@ -2,7 +2,6 @@
 #include "scene/framing.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/error.h"

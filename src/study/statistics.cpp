@@ -1,6 +1,5 @@
 #include "study/statistics.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"

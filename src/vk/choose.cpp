@@ -1,6 +1,5 @@
 // Lists devices, checks them against the requirements, and resolves device selectors.
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <iterator>
 #include <optional>

@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <optional>
 #include <string_view>
-#include <system_error>
 
 #include "base/log.h"
 

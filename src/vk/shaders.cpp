@@ -1,6 +1,5 @@
 #include "vk/shaders.h"
 
-#include <algorithm>
 #include <cstring>
 #include <deque>
 #include <map>

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "app/folder.h"

@@ -1,5 +1,4 @@
 // Files of cameras, written by hand according to the specifications of the formats.
-#include <cstring>
 
 #include "data/cameras/bop.h"
 #include "data/cameras/calibrated.h"

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 #include <latelight/latelight.h>
 
-#include <cmath>
-
 #include "test_device.h"
 
 namespace latelight {

@@ -1,7 +1,6 @@
 // Removing meshes, materials and textures: which element replaces a removed one, and the memory that is freed.
 #include <gmock/gmock.h>
 
-#include <algorithm>
 #include <functional>
 
 #include "base/error.h"

@@ -2,7 +2,6 @@
 // commands of an earlier request again. Pictures equal those of a renderer without a past, to the byte.
 #include <fmt/core.h>
 
-#include <cstring>
 #include <deque>
 #include <glm/gtc/matrix_transform.hpp>
 #include <optional>

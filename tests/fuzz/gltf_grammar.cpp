@@ -1,6 +1,5 @@
 #include "fuzz/gltf_grammar.h"
 
-#include <algorithm>
 #include <array>
 #include <cstring>
 

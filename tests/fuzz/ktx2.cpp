@@ -1,5 +1,4 @@
 // KTX2 textures: ETC1S, UASTC and Zstandard. Every input begins with the identifier of the format.
-#include <cstring>
 #include <string>
 
 #include "fuzz/texture.h"

@@ -1,6 +1,5 @@
 // Mesh files: OBJ with its materials, PLY and STL. The first byte selects the format. In OBJ, the text after the first
 // form feed is that of the file of materials.
-#include <string>
 
 #include "fuzz/fuzz.h"
 #include "scene/mesh_files/load.h"

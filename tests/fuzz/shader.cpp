@@ -2,7 +2,6 @@
 // of dead code. Two words of the header that no parser reads, the generator and the schema, choose the declarations.
 // Mutations know the format: they change, copy and remove whole instructions, and their operands by others of the
 // module, so that most inputs remain sequences of instructions.
-#include <algorithm>
 #include <cstring>
 #include <random>
 #include <vector>

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <bit>
-#include <cstring>
 #include <iterator>
 
 #include "gpu_math/spirv.h"

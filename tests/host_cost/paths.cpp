@@ -13,7 +13,6 @@
 #include <fstream>
 #include <functional>
 #include <glm/gtc/matrix_transform.hpp>
-#include <numeric>
 
 #include "base/parallel.h"
 #include "graph/graph.h"

@@ -4,8 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
-#include <numeric>
 
 #include "models/parts.h"
 #include "output/exr.h"

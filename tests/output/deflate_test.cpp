@@ -4,7 +4,6 @@
 #include <zlib.h>
 
 #include <random>
-#include <span>
 
 namespace latelight::output {
 namespace {

@@ -1,7 +1,5 @@
 #include "output/png.h"
 
-#include <cstring>
-
 #include "support.h"
 
 namespace latelight::output {

@@ -2,7 +2,6 @@
 // of the host, to the byte. On a CPU device, these tests use the code paths for GPUs.
 #include <cmath>
 #include <cstring>
-#include <functional>
 #include <numbers>
 #include <random>
 

@@ -4,7 +4,6 @@
 
 #include <fmt/core.h>
 
-#include <cstring>
 #include <random>
 
 #include "render/base/readback.h"

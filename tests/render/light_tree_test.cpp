@@ -6,7 +6,6 @@
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <cstring>
 #include <random>
 
 #include "shared/light.h"

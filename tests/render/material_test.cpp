@@ -2,7 +2,6 @@
 // surfaces, and glTF extensions. The squares face the camera, so that the texture coordinate of every pixel is known.
 #include <fmt/core.h>
 
-#include <array>
 #include <cmath>
 
 #include "render/gbuffer_reader.h"

@@ -1,7 +1,6 @@
 // Several cameras at once, the same camera twice, and positions that project back to their pixels.
 #include <fmt/core.h>
 
-#include <array>
 #include <cmath>
 #include <cstring>
 

@@ -1,7 +1,6 @@
 // Animations, skins and morph targets: the resulting positions of nodes and vertices, and the files that are rejected.
 #include <gmock/gmock.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <glm/gtc/matrix_transform.hpp>

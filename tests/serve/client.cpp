@@ -12,7 +12,6 @@
 #include <boost/beast/websocket.hpp>
 #include <cstring>
 #include <stdexcept>
-#include <utility>
 
 namespace latelight::serve {
 

@@ -2,7 +2,6 @@
 // and the bound uses every synthetic light.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstring>
 #include <vector>
 

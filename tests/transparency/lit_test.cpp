@@ -2,8 +2,6 @@
 // the picture, equally with the light tree and with all lights, and with buffers that grow.
 #include <fmt/core.h>
 
-#include <cstring>
-
 #include "base/error.h"
 #include "render/base/readback.h"
 #include "render/base/registry.h"

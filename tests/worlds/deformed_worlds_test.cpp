@@ -4,7 +4,6 @@
 #include <latelight/latelight.h>
 
 #include <cmath>
-#include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 #include <random>

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
 
-#include <cstring>
 #include <functional>
 
 #include "long_tests.h"

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
 
-#include <cstring>
 #include <functional>
 #include <limits>
 

@@ -2,7 +2,6 @@
 // rendered by a separate renderer without worlds.
 #include <fmt/core.h>
 
-#include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 

@@ -1,7 +1,6 @@
 #include "data/cameras/calibrated.h"
 
 #include <cmath>
-#include <ranges>
 
 #include "base/error.h"
 #include "base/lowercase.h"

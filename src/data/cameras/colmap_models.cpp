@@ -1,6 +1,5 @@
 // Converts between COLMAP's camera models and lenses.
 #include <algorithm>
-#include <cmath>
 
 #include "base/error.h"
 #include "data/cameras/colmap.h"

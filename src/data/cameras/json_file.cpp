@@ -1,6 +1,5 @@
 #include "data/cameras/json_file.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"

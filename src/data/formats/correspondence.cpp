@@ -1,7 +1,6 @@
 // The format "correspondence": where the surfaces of each frame are in other frames, one set of arrays per pair, and
 // the list of all pairs.
 #include <algorithm>
-#include <cmath>
 
 #include "base/error.h"
 #include "base/text.h"

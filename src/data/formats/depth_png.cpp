@@ -1,7 +1,6 @@
 // The format "depth-png": depth or distance as a 16-bit PNG file.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <span>
 
 #include "base/error.h"

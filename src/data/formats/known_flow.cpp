@@ -3,7 +3,6 @@
 #include <cmath>
 #include <glm/matrix.hpp>
 #include <limits>
-#include <optional>
 
 #include "data/formats/frame_files.h"
 #include "data/formats/geometry.h"

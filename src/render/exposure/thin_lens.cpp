@@ -1,7 +1,6 @@
 #include "render/exposure/thin_lens.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 

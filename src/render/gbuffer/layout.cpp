@@ -1,7 +1,5 @@
 #include "render/gbuffer/layout.h"
 
-#include <algorithm>
-
 #include "render/base/registry.h"
 #include "vk/resources.h"
 

@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "base/parallel.h"
 #include "render/gpu_scene/light_template_push.h"

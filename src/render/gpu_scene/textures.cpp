@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "render/gpu_scene/texture_kinds.h"
 #include "scene/color_slots.h"

@@ -1,6 +1,5 @@
 #include "render/lens/shadow_view.h"
 
-#include <algorithm>
 #include <optional>
 
 #include "render/frame/view.h"

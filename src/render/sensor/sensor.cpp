@@ -1,7 +1,6 @@
 #include "render/sensor/sensor.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/error.h"
 #include "base/parallel.h"

@@ -1,6 +1,5 @@
 #include "render/settings/settings.h"
 
-#include <array>
 #include <charconv>
 #include <cmath>
 

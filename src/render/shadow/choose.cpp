@@ -3,9 +3,7 @@
 #include "render/shadow/choose.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <limits>
 
 #include "base/error.h"
 #include "base/log.h"

@@ -1,7 +1,6 @@
 #include "render/shadow/placed_shadows.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 
 #include "render/shadow/atlas.h"

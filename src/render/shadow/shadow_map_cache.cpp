@@ -5,7 +5,6 @@
 #include "render/shadow/shadow_map_cache.h"
 
 #include <algorithm>
-#include <bit>
 #include <numeric>
 #include <string_view>
 

@@ -1,7 +1,5 @@
 #include "render/submit/request.h"
 
-#include <algorithm>
-
 #include "render/base/readback.h"
 #include "render/lighting/technique.h"
 #include "render/post/resolve.h"

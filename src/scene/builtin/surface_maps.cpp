@@ -2,7 +2,6 @@
 #include "scene/builtin/surface_maps.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 
 #include "base/parallel.h"

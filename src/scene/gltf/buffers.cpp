@@ -1,7 +1,6 @@
 // The bytes of bufferViews and images, from the binary chunk, data URIs (RFC 2397), and external files.
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <optional>
 #include <string_view>
 

@@ -1,6 +1,4 @@
 // Converts a file's bytes to validated JSON: reads the GLB container (glTF 2.0, chapter 4) and checks the version.
-#include <cstdlib>
-#include <cstring>
 #include <string_view>
 
 #include "base/error.h"

@@ -1,6 +1,5 @@
 // Deforms a primitive's vertices by its morph targets (glTF 2.0, 3.7.2.2) and its skin's joints (3.7.3).
 #include <algorithm>
-#include <cmath>
 
 #include "base/error.h"
 #include "scene/gltf/skin.h"

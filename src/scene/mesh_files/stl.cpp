@@ -1,9 +1,7 @@
 // Reads STL files, binary and ASCII (3D Systems, "StereoLithography Interface Specification", 1989). The normals of
 // facets follow from their corners, because many writers store zeros. The colors that some writers put into the
 // attribute bytes of binary files are ignored.
-#include <atomic>
 #include <cstring>
-#include <memory>
 
 #include "base/error.h"
 #include "base/log.h"

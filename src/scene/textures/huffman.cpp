@@ -1,8 +1,6 @@
 // Canonical Huffman decoding, and the code length format of BasisLZ.
 #include "scene/textures/huffman.h"
 
-#include <algorithm>
-
 namespace latelight::scene {
 namespace {
 

@@ -7,7 +7,6 @@
 #include <optional>
 #include <ranges>
 #include <string_view>
-#include <vector>
 
 #include "base/error.h"
 #include "scene/textures/bits.h"

@@ -2,7 +2,6 @@
 #include "scene/textures/texture.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <map>
 #include <memory>

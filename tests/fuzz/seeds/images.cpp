@@ -6,9 +6,6 @@
 #include <avif/avif.h>
 #endif
 
-#include <array>
-#include <bit>
-#include <cstring>
 #include <string>
 
 #include "base/files.h"

@@ -1,5 +1,4 @@
 // Seeds of mesh files: each statement of OBJ and MTL, each encoding and property of PLY, and both encodings of STL.
-#include <bit>
 #include <cstring>
 #include <string>
 

@@ -2,8 +2,6 @@
 #include "render/lighting/reference/paths.h"
 
 #include <algorithm>
-#include <cmath>
-#include <vector>
 
 #include "render/base/pixel_group.h"
 #include "render/lighting/lighting_shader.h"

@@ -1,7 +1,6 @@
 #include "render/visibility/compute/world_placer.h"
 
 #include <algorithm>
-#include <cstring>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "render/frame/view.h"
