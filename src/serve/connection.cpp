@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "serve/page.h"
+#include "serve/response.h"
 #include "serve/socket.h"
 
 namespace latelight::serve {
@@ -23,14 +24,6 @@ using boost::asio::ip::tcp;
 constexpr uint32_t kMaxHeaderBytes = 8192;
 constexpr size_t kMaxDrainedBytes = 256 << 10;  // read after the answer to a request that was not read to its end
 constexpr std::chrono::seconds kDrainTime{1};
-
-using Response = http::response<http::string_body>;
-
-// Content security policy: the page may load its own files and connect to its own server, and no other site may frame
-// or read it.
-constexpr const char* kPolicy =
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 std::string_view view(beast::string_view text) {
   return {text.data(), text.size()};
@@ -53,16 +46,6 @@ std::optional<http::status> statusOf(beast::error_code error) {
   if (error == http::error::body_limit || error == http::error::unexpected_body) return http::status::payload_too_large;
   const bool isMalformed = error.category() == http::make_error_code(http::error::bad_method).category();
   return isMalformed ? std::optional(http::status::bad_request) : std::nullopt;
-}
-
-void setHeader(Response& response, std::string_view type) {
-  response.set(http::field::content_type, beast::string_view(type.data(), type.size()));
-  response.set("Content-Security-Policy", kPolicy);
-  response.set("Referrer-Policy", "no-referrer");
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set("Cross-Origin-Resource-Policy", "same-origin");
-  response.set("Cross-Origin-Opener-Policy", "same-origin");
-  response.set(http::field::cache_control, "no-store");
 }
 
 class Connection : public std::enable_shared_from_this<Connection> {
@@ -141,7 +124,7 @@ void Connection::answerUnread(beast::error_code error) {
   Response response{*status, 11};
   const beast::string_view reason = http::obsolete_reason(*status);
   response.body() = std::string(reason.data(), reason.size()) + ".\n";
-  setHeader(response, "text/plain; charset=utf-8");
+  setHeader(response, kPlainText);
   response.keep_alive(false);
   response.prepare_payload();
   write(std::move(response));
@@ -162,7 +145,7 @@ Response Connection::respond(const http::request<http::empty_body>& request, con
     response.result(http::status::not_found), response.body() = "There is no such file.\n";
   else
     response.body() = file->text;
-  const std::string_view type = file && reads ? file->type : "text/plain; charset=utf-8";
+  const std::string_view type = file && reads ? file->type : kPlainText;
   setHeader(response, type);
   response.keep_alive(request.keep_alive() && answer.refusal.empty() && !crowded);
   response.prepare_payload();

@@ -11,6 +11,7 @@
 #include "base/journal.h"
 #include "base/log.h"
 #include "base/text.h"
+#include "serve/response.h"
 #include "serve/upload.h"
 
 namespace latelight::serve {
@@ -41,6 +42,7 @@ class Socket : public std::enable_shared_from_this<Socket> {
 
  private:
   void begin();
+  void refuseHandshake(beast::error_code error);
   void read();
   void take(beast::error_code error);
   void takeText(const std::string& text);
@@ -78,9 +80,21 @@ void Socket::accept() {
   stream_.control_callback([this](websocket::frame_type kind, beast::string_view) {
     if (kind == websocket::frame_type::close) leave();
   });
+  stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+    if (response.result() == beast::http::status::switching_protocols) return;
+    setHeader(response, kPlainText);
+    response.keep_alive(false);
+  }));
   stream_.async_accept(request_, [self = shared_from_this()](beast::error_code error) {
-    if (!error) self->begin();
+    error ? self->refuseHandshake(error) : self->begin();
   });
+}
+
+// Beast has answered the request, such as one without a key or of another version of the protocol. A connection that
+// broke, or that the server closes, ends without a line in the log.
+void Socket::refuseHandshake(beast::error_code error) {
+  const bool isRefusal = error.category() == websocket::make_error_code(websocket::error::no_sec_key).category();
+  if (isRefusal) hub_.logRefusal(peer_, error.message());
 }
 
 // The viewer's calls hold only weak references, so they keep no connection alive.

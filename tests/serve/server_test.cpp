@@ -509,6 +509,31 @@ TEST(ServerOfOneSessionTest, AReloadedPageGetsInAtOnce) {
               HasSubstr("refused 127.0.0.1: all 1 sessions are in use; close another page\n"));
 }
 
+// RFC 6455, 4.2.1 and 4.4: a handshake requires a key and version 13, and the answer to another version states it.
+TEST(ServerOfHandshakesTest, RefusesInvalidOnes) {
+  Running running("builtin:boxes", false);
+  const std::string key = "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n", version = "Sec-WebSocket-Version: ";
+  const auto asked = [&](const std::string& fields) {
+    return ask(running.server.port(), "GET /" + running.server.token() +
+                                          "/socket HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\n"
+                                          "Connection: upgrade\r\n" +
+                                          fields + "\r\n");
+  };
+  const std::pair<std::string, const char*> invalid[] = {
+      {version + "13\r\n", "HTTP/1.1 400 "}, {key, "HTTP/1.1 400 "}, {key + version + "8\r\n", "HTTP/1.1 426 "}};
+  for (const auto& [fields, status] : invalid) {
+    testing::internal::CaptureStderr();
+    const std::string response = asked(fields);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("refused 127.0.0.1: The WebSocket handshake "))
+        << fields;
+    EXPECT_THAT(response, StartsWith(status)) << fields;
+    for (const char* field : {"Content-Security-Policy: default-src 'none'", "Referrer-Policy: no-referrer",
+                              "X-Content-Type-Options: nosniff", "Cache-Control: no-store", "Connection: close"})
+      EXPECT_THAT(response, HasSubstr(field)) << fields;
+  }
+  EXPECT_THAT(asked(key + version + "8\r\n"), HasSubstr("Sec-WebSocket-Version: 13\r\n"));
+}
+
 // A page that opens while the scene file is being written is asked to try again (1013, "try again later"). Its reason
 // is valid UTF-8 even if the 123 bytes of a close frame end within a character of the file's name.
 TEST(ServerOfAChangingFileTest, APageThatOpensMeanwhileMayTryAgain) {
