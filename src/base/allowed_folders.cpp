@@ -69,7 +69,8 @@ bool isRegular(int fd) {
 
 }  // namespace
 
-AllowedFolders::AllowedFolders(const fs::path& owner, std::span<const std::string> allowed) {
+AllowedFolders::AllowedFolders(const fs::path& owner, std::span<const std::string> allowed, FileObserver observer)
+    : observer_(std::move(observer)) {
   std::error_code ignored;
   for (const fs::path& file : {fs::absolute(owner, ignored), fs::canonical(owner, ignored)}) {
     const fs::path folder = fs::canonical(file.parent_path(), ignored);
@@ -90,11 +91,25 @@ bool AllowedFolders::holds(const fs::path& real) const {
   return std::any_of(own_.begin(), own_.end(), isAbove) || std::any_of(allowed_.begin(), allowed_.end(), isAbove);
 }
 
+void AllowedFolders::observe(const fs::path& file) const {
+  if (observer_) observer_(file);
+}
+
+bool AllowedFolders::exists(const fs::path& name) const {
+  if (own_.empty()) return false;
+  const fs::path file = own_.front() / name;
+  observe(file);
+  std::error_code ignored;
+  return fs::exists(file, ignored);
+}
+
 std::vector<std::byte> AllowedFolders::read(const fs::path& name) const {
   fs::path real;
   std::error_code error = std::make_error_code(std::errc::no_such_file_or_directory);
-  for (auto folder = own_.begin(); real.empty() && folder != own_.end(); ++folder)
+  for (auto folder = own_.begin(); real.empty() && folder != own_.end(); ++folder) {
+    observe(*folder / name);
     real = fs::canonical(*folder / name, error);
+  }
   if (error == std::errc::no_such_file_or_directory) badInput("is the file {}, which does not exist", name.string());
   if (error) badInput("is the file {}, which cannot be found: {}", name.string(), error.message());
   if (!holds(real))

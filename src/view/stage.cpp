@@ -24,6 +24,12 @@ const scene::Camera& selectCamera(const std::vector<scene::Camera>& cameras, con
   badUsage("the scene has no camera \"{}\"", selector);
 }
 
+// Watches the scene's files from before each of them is read, also those that do not exist, and if load() fails.
+std::unique_ptr<scene::Scene> loadWatched(const std::string& source, const scene::LoadOptions& load, FileWatch& watch) {
+  return std::make_unique<scene::Scene>(
+      scene::load(source, load, [&watch](const std::filesystem::path& file) { watch.add(file); }));
+}
+
 std::string textOf(const glm::dvec3& v) {
   return fmt::format("{},{},{}", v.x, v.y, v.z);
 }
@@ -58,12 +64,11 @@ std::vector<std::string> wordsOf(const CameraChoice& choice) {
 
 Stage::Stage(const std::string& source, const scene::LoadOptions& load, const vk::DeviceOptions& device)
     : deviceOptions_(device) {
+  for (const std::filesystem::path& file : vk::shaderFiles()) shaderWatch_.add(file);
   // The device is created while the scene loads, because they share nothing.
   auto starts = inBackground([&] { return std::make_unique<vk::Device>(deviceOptions_); });
-  scene_ = std::make_unique<scene::Scene>(scene::load(source, load));
+  scene_ = loadWatched(source, load, watch_);
   device_ = starts.get();
-  watch_.watch(scene_->files);
-  shaderWatch_.watch(vk::shaderFiles());
 }
 
 vk::Device& Stage::device() {
@@ -77,12 +82,19 @@ void Stage::dropDevice() {
 }
 
 void Stage::open(const std::string& source, const scene::LoadOptions& load) {
-  auto loaded = std::make_unique<scene::Scene>(scene::load(source, load));
+  FileWatch watch;
+  std::unique_ptr<scene::Scene> loaded;
+  try {
+    loaded = loadWatched(source, load, watch);
+  } catch (...) {
+    if (source == scene_->source) watch_.add(watch);
+    throw;
+  }
   renderer_.reset();
   shown_.reset();
   environmentName_.reset();  // the environment may belong to the earlier scene
   scene_ = std::move(loaded);
-  watch_.watch(scene_->files);
+  watch_ = std::move(watch);
 }
 
 void Stage::light(const std::string& asked) {
@@ -99,7 +111,7 @@ void Stage::lightAgain() {
 void Stage::loadEnvironment(const std::string& name) {
   const bool isGiven = given_ && given_->name == name;
   FileWatch watch;
-  if (!isGiven && isThere(name)) watch.watch({name});
+  if (!isGiven && isThere(name)) watch.add(name);
   std::optional<scene::Environment> loaded = isGiven ? given_ : render::loadEnvironment(*scene_, name);
   renderer_.reset();
   environment_ = std::move(loaded);

@@ -36,7 +36,8 @@ class Stage {
   scene::Scene& scene() { return *scene_; }
   const scene::Scene& scene() const { return *scene_; }
   vk::Device& device();
-  // Opens another scene, or the same one again. On Error, the current scene is kept.
+  // Opens another scene, or the same one again. On Error, the current scene is kept. If it was the same one,
+  // filesChanged() then also watches the files that it refers to now, so that it is opened again once they exist.
   void open(const std::string& source, const scene::LoadOptions& load);
   bool filesChanged() { return watch_.changed(); }
   bool shadersChanged() { return shaderWatch_.changed(); }

@@ -60,6 +60,18 @@ TEST_F(AllowedFoldersTest, HoldWhatLiesInAndBelow) {
   EXPECT_EQ(read(root / "scene/a.bin"), "scene/a.bin");
 }
 
+TEST_F(AllowedFoldersTest, TellWhichFilesAreReadOrMissing) {
+  std::vector<fs::path> files;
+  const AllowedFolders folders(root / "scene/scene.gltf", {}, [&](const fs::path& file) { files.push_back(file); });
+  const fs::path scene = fs::canonical(root / "scene");
+  EXPECT_TRUE(folders.exists("deep/b.bin"));
+  EXPECT_FALSE(folders.exists("later.bin"));
+  folders.read("a.bin");
+  EXPECT_ANY_THROW(folders.read("none.bin"));
+  EXPECT_THAT(files,
+              testing::ElementsAre(scene / "deep/b.bin", scene / "later.bin", scene / "a.bin", scene / "none.bin"));
+}
+
 TEST_F(AllowedFoldersTest, RefuseWhatLiesOutside) {
   for (const fs::path& name : {fs::path("../secret.bin"), root / "secret.bin", fs::path("/etc/passwd"),
                                fs::path("deep/../../secret.bin"), fs::path("../other/c.bin")})

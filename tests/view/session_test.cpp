@@ -4,6 +4,8 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/inotify.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
@@ -56,6 +58,26 @@ struct Viewer {
   ViewSession session;
   const SessionFrame* last = nullptr;
 };
+
+// Waits for a change of the session's files. `condition` is checked when nothing more is to be done.
+template <typename Condition>
+bool settleUntil(Viewer& viewer, const Condition& condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);  // only against hangs
+  do {
+    viewer.settle();
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  } while (std::chrono::steady_clock::now() < end);
+  return false;
+}
+
+// Returns the final picture after a change of the session's files. wantsFrame() does not tell, because it may be true
+// for other reasons, such as a draft that is rehearsed. Call it only if the session cannot have noticed the change yet.
+const SessionFrame& settleAfterChange(Viewer& viewer) {
+  const uint64_t number = viewer.session.frame().number;
+  EXPECT_TRUE(settleUntil(viewer, [&] { return viewer.session.frame().number != number; }));
+  return viewer.session.frame();
+}
 
 // A scene with lights, a camera, and few triangles.
 std::string lit() {
@@ -612,9 +634,7 @@ TEST(ViewSessionTest, FollowsItsFile) {
   const SessionFrame before = viewer.settle();
   std::filesystem::copy_file(modelPath("textured.glb"), folder.at("new.glb"));
   std::filesystem::rename(folder.at("new.glb"), file);
-  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);
-  while (viewer.session.wantsFrame() == false && std::chrono::steady_clock::now() < end)
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  settleAfterChange(viewer);
   expectAsRendered(viewer, "the new scene");
   EXPECT_FALSE(viewer.settle().rgba == before.rgba);
   folder.write("scene.glb", std::string_view("this is no scene"));
@@ -654,12 +674,9 @@ TEST(ViewSessionTest, FollowsEachFileOfItsScene) {
   Viewer viewer(small(folder.at("scene.gltf")));
   const SessionFrame before = viewer.settle();
   const auto changesBy = [&](const std::string& file, const std::string& bytes) {
+    SCOPED_TRACE(file);
     replace(folder, file, bytes);
-    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);
-    while (!viewer.session.wantsFrame() && std::chrono::steady_clock::now() < end)
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    EXPECT_TRUE(viewer.session.wantsFrame()) << file;
-    viewer.settle();
+    settleAfterChange(viewer);
   };
   for (const std::string& file : files) {
     changesBy(file, folder.read(file));
@@ -668,6 +685,53 @@ TEST(ViewSessionTest, FollowsEachFileOfItsScene) {
   changesBy(files[2], folder.read(files[3]));
   expectAsRendered(viewer, "another texture");
   EXPECT_FALSE(viewer.settle().rgba == before.rgba);
+}
+
+// The image is replaced once it has been read, while it is decoded, before the session exists.
+TEST(ViewSessionTest, FollowsAFileThatChangesWhileItIsLoaded) {
+  const Folder folder;
+  const std::vector<std::string> files = inFiles(modelPath("textured.glb"), folder);
+  const int events = inotify_init1(IN_CLOEXEC);
+  ASSERT_NE(inotify_add_watch(events, folder.at(files[2]).c_str(), IN_CLOSE_NOWRITE), -1);
+  std::thread writer([&, other = folder.read(files[3])] {
+    char event[4096];
+    EXPECT_GT(read(events, event, sizeof event), 0);
+    replace(folder, files[2], other);
+  });
+  Viewer viewer(small(folder.at("scene.gltf")));
+  writer.join();
+  close(events);
+  Viewer expected(small(folder.at("scene.gltf")));
+  EXPECT_TRUE(settleUntil(viewer, [&] { return viewer.last->rgba == expected.settle().rgba; }));
+}
+
+// Exporters write a scene before the files that it refers to, and may delete earlier ones.
+TEST(ViewSessionTest, LoadsASceneAgainOnceItsFilesExist) {
+  const Folder folder;
+  inFiles(modelPath("textured.glb"), folder);
+  std::string scene = folder.read("scene.gltf");
+  const std::string buffer = folder.read("scene.bin");
+  Viewer viewer(small(folder.at("scene.gltf")));
+  const std::vector<uint8_t> before = viewer.settle().rgba;
+  scene.replace(scene.find("scene.bin"), 9, "other.bin");
+  replace(folder, "scene.gltf", scene);
+  std::filesystem::remove(folder.at("scene.bin"));
+  EXPECT_TRUE(settleUntil(viewer, [&] { return viewer.state().error.find("other.bin") != std::string::npos; }));
+  EXPECT_TRUE(viewer.settle().rgba == before);
+  replace(folder, "other.bin", buffer);
+  EXPECT_TRUE(settleUntil(viewer, [&] { return viewer.state().error.empty(); }));
+  expectAsRendered(viewer, "with the other file");
+}
+
+TEST(ViewSessionTest, LoadsAMaterialLibraryOnceItExists) {
+  const Folder folder;
+  folder.write("plane.obj", std::string_view("mtllib late.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+                                             "usemtl green\nf 1 2 3 4\n"));
+  Viewer viewer(small(folder.at("plane.obj")));
+  const SessionFrame before = viewer.settle();
+  folder.write("late.mtl", std::string_view("newmtl green\nKd 0 1 0\n"));
+  EXPECT_FALSE(settleAfterChange(viewer).rgba == before.rgba);
+  expectAsRendered(viewer, "green");
 }
 
 // Everything except nearly black becomes black: without the slope of sRGB's curve.
@@ -804,10 +868,7 @@ TEST(ViewSessionTest, FollowsTheFileOfItsEnvironment) {
   const SessionFrame before = viewer.settle();
   const auto changes = [&](const std::string& bytes) {
     replace(folder, "sky.hdr", bytes);
-    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);
-    while (!viewer.session.wantsFrame() && std::chrono::steady_clock::now() < end)
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    return viewer.settle();
+    return settleAfterChange(viewer);
   };
   EXPECT_FALSE(changes(sky(kTwo)).rgba == before.rgba);
   EXPECT_THAT(viewer.state().error, IsEmpty());

@@ -83,9 +83,9 @@ uint64_t geometryBytes(const Scene& scene) {
   return bytes;
 }
 
-Scene import(const std::filesystem::path& path, const LoadOptions& options) {
+Scene import(const std::filesystem::path& path, const LoadOptions& options, const FileObserver& observer) {
   Document document;
-  openDocument(document, path, AllowedFolders(path, options.allowOutside));
+  openDocument(document, path, AllowedFolders(path, options.allowOutside, observer));
   Scene scene;
   scene.name = path.stem().string();
   scene.source = path.string();
@@ -115,9 +115,9 @@ Scene import(const std::filesystem::path& path, const LoadOptions& options) {
 }  // namespace
 }  // namespace gltf
 
-Scene loadGltf(const std::filesystem::path& path, const LoadOptions& options) {
+Scene loadGltf(const std::filesystem::path& path, const LoadOptions& options, const FileObserver& observer) {
   try {
-    return gltf::import(path, options);
+    return gltf::import(path, options, observer);
   } catch (const Error& error) {
     std::string sentence = error.what();
     if (sentence.find(path.string()) != std::string::npos) throw;

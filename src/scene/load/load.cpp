@@ -98,8 +98,9 @@ void refuseConvertible(const std::string& source) {
     if (ending == extension) badInput("{} is read by the Python package only: use latelight.{}()", source, function);
 }
 
-Scene loadFile(const std::string& source, const LoadOptions& options) {
+Scene loadFile(const std::string& source, const LoadOptions& options, const FileObserver& observer) {
   const std::filesystem::path path(source);
+  if (observer) observer(path);
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   constexpr std::string_view kAdvice =
@@ -109,18 +110,18 @@ Scene loadFile(const std::string& source, const LoadOptions& options) {
   refuseConvertible(source);
   const Format format = formatOf(source);
   if (format == Format::Unknown) badInput("{} is not a scene file: {}", source, kAdvice);
-  if (format == Format::Obj) return loadMeshFile(path, MeshFormat::Obj, options);
-  if (format == Format::Ply) return loadMeshFile(path, MeshFormat::Ply, options);
-  if (format == Format::Stl) return loadMeshFile(path, MeshFormat::Stl, options);
+  if (format == Format::Obj) return loadMeshFile(path, MeshFormat::Obj, options, observer);
+  if (format == Format::Ply) return loadMeshFile(path, MeshFormat::Ply, options, observer);
+  if (format == Format::Stl) return loadMeshFile(path, MeshFormat::Stl, options, observer);
   rejectFrame(source, options);
-  return loadGltf(path, options);
+  return loadGltf(path, options, observer);
 }
 
 }  // namespace
 
-Scene load(const std::string& source, const LoadOptions& options) {
+Scene load(const std::string& source, const LoadOptions& options, const FileObserver& observer) {
   checkGrouping(options.ids);
-  Scene scene = source.starts_with(kBuiltin) ? loadBuiltin(source, options) : loadFile(source, options);
+  Scene scene = source.starts_with(kBuiltin) ? loadBuiltin(source, options) : loadFile(source, options, observer);
   groupIds(scene, options.ids);
   return scene;
 }

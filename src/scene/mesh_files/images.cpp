@@ -108,16 +108,13 @@ void fillTexel(const ImageRequest& request, const Plane& first, const Plane& sec
 
 std::string Images::locate(const std::string& file, const std::string& folder) const {
   const std::filesystem::path inFolder = std::filesystem::path(folder) / file;
-  std::error_code ignored;
-  return std::filesystem::exists(source_.path.parent_path() / inFolder, ignored) ? inFolder.string() : file;
+  return source_.folders.exists(inFolder) ? inFolder.string() : file;
 }
 
 bool Images::isReadable(const std::string& file) {
   const auto [known, isNew] = files_.try_emplace(file);
   if (!isNew) return known->second.has_value();
-  std::error_code ignored;
-  if (const auto status = std::filesystem::status(source_.path.parent_path() / file, ignored);
-      !std::filesystem::exists(status)) {
+  if (!source_.folders.exists(file)) {
     warn("{}: the image {} does not exist, and is left out", source_.path.string(), shortened(printable(file)));
     return false;
   }

@@ -47,11 +47,12 @@ uint64_t geometryBytes(const Scene& scene) {
   return bytes;
 }
 
-Scene import(const std::filesystem::path& path, MeshFormat format, const LoadOptions& options) {
+Scene import(const std::filesystem::path& path, MeshFormat format, const LoadOptions& options,
+             const FileObserver& observer) {
   if (!options.variant.empty()) badUsage("it has no material variants: omit the variant '{}'", options.variant);
   const std::optional<float> radius = options.pointRadius;
   if (radius && !(*radius > 0 && std::isfinite(*radius))) badUsage("--point-radius requires a length above 0");
-  Source source(path, format, options);
+  Source source(path, format, options, observer);
   source.claim(source.bytes.size());
   if (format == MeshFormat::Obj) readObj(source);
   if (format == MeshFormat::Ply) readPly(source);
@@ -77,12 +78,13 @@ Frame frameOf(MeshFormat format, const LoadOptions& options) {
   return {yUp, metersPerUnit(options.unit)};
 }
 
-Source::Source(const std::filesystem::path& file, MeshFormat format, const LoadOptions& loadOptions)
+Source::Source(const std::filesystem::path& file, MeshFormat format, const LoadOptions& loadOptions,
+               const FileObserver& observer)
     : path(file),
       options(loadOptions),
       frame(frameOf(format, loadOptions)),
       bytes(readLargeFile(file)),
-      folders(file, loadOptions.allowOutside),
+      folders(file, loadOptions.allowOutside, observer),
       builder(utf8OrLatin1(file.stem().string()), frame.yUp, dmat4(glm::dmat3(frame.metersPerUnit))) {}
 
 uint32_t Source::addNode(const std::string& name, uint32_t parent, std::vector<Primitive> primitives) {
@@ -126,9 +128,10 @@ void dropBrokenTriangles(Mesh& mesh, const std::string& name) {
 
 }  // namespace mesh_files
 
-Scene loadMeshFile(const std::filesystem::path& path, MeshFormat format, const LoadOptions& options) {
+Scene loadMeshFile(const std::filesystem::path& path, MeshFormat format, const LoadOptions& options,
+                   const FileObserver& observer) {
   try {
-    return mesh_files::import(path, format, options);
+    return mesh_files::import(path, format, options, observer);
   } catch (const Error& error) {
     const std::string sentence = error.what();
     if (sentence.find(path.string()) != std::string::npos) throw;

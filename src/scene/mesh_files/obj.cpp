@@ -273,9 +273,7 @@ class ObjReader {
   // Returns false if the file does not exist.
   bool readLibrary(std::string file) {
     std::ranges::replace(file, '\\', '/');
-    std::error_code ignored;
-    const std::filesystem::path path = source_.path.parent_path() / file;
-    if (file.empty() || !std::filesystem::exists(std::filesystem::status(path, ignored))) return false;
+    if (file.empty() || !source_.folders.exists(file)) return false;
     std::vector<std::byte> bytes;
     try {
       bytes = source_.folders.read(file);
@@ -284,7 +282,7 @@ class ObjReader {
     }
     source_.claim(2 * bytes.size());
     readMtl({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file, library_);
-    source_.builder.scene.files.push_back(path);
+    source_.builder.scene.files.push_back(source_.path.parent_path() / file);
     return true;
   }
 

@@ -41,7 +41,8 @@ struct Primitive {
 
 class Source {
  public:
-  Source(const std::filesystem::path& path, MeshFormat format, const LoadOptions& options);
+  Source(const std::filesystem::path& path, MeshFormat format, const LoadOptions& options,
+         const FileObserver& observer);
 
   // The file as text, without a byte-order mark.
   std::string_view text() const {
