@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -27,6 +28,7 @@ struct SessionThread::Impl {
   News news;
   bool stops = false, busy = true;
   uint64_t shown = 0;
+  std::string told;  // the error that was published
   std::thread thread;
 };
 
@@ -48,6 +50,7 @@ bool SessionThread::Impl::waitForWork() {
 
 void SessionThread::Impl::publish(const SessionFrame* made) {
   auto state = std::make_shared<const State>(session.state());
+  told = state->error;
   const bool isNew = made && made->number != std::exchange(shown, made->number);
   auto frame = isNew ? std::make_shared<const SessionFrame>(*made) : nullptr;
   {
@@ -66,7 +69,10 @@ void SessionThread::Impl::run() {
       std::lock_guard lock(mutex);
       busy = wants || !work.empty();
     }
-    if (wants) publish(&session.next());
+    if (wants)
+      publish(&session.next());
+    else if (session.state().error != told)  // a changed file that cannot be read
+      publish(nullptr);
   }
 }
 
