@@ -91,7 +91,8 @@ void ViewSession::Impl::advance() {
   const render::Settings s = settings(Side::Left).settings;
   const double duration = scene::duration(stage.scene(), scene::choosePlayback(stage.scene(), s.animation, s.loop));
   const double time = s.time.value_or(0) + step;
-  state.playing = s.loop || time < duration;
+  state.playing = duration > 0 && (s.loop || time < duration);
+  if (!(duration > 0)) return;  // a reloaded scene may have no animation
   setTime(s.loop ? std::fmod(time, duration) : std::min(time, duration));
   touch();
 }

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <memory>
@@ -732,6 +733,22 @@ TEST(ViewSessionTest, LoadsAMaterialLibraryOnceItExists) {
   folder.write("late.mtl", std::string_view("newmtl green\nKd 0 1 0\n"));
   EXPECT_FALSE(settleAfterChange(viewer).rgba == before.rgba);
   expectAsRendered(viewer, "green");
+}
+
+TEST(ViewSessionTest, StopsPlayingIfItsFileHasNoAnimationAnyMore) {
+  const Folder folder;
+  std::filesystem::copy_file(modelPath("skinned.glb"), folder.at("scene.glb"));
+  Viewer viewer(small(folder.at("scene.glb")));
+  viewer(SetOption{"loop", "true"});
+  viewer(Play{true});
+  viewer.session.next();
+  std::filesystem::copy_file(lit(), folder.at("new.glb"));
+  std::filesystem::rename(folder.at("new.glb"), folder.at("scene.glb"));
+  EXPECT_TRUE(settleUntil(viewer, [&] { return viewer.state().animations.empty(); }));
+  EXPECT_FALSE(viewer.state().playing);
+  ASSERT_TRUE(viewer.state().time);
+  EXPECT_TRUE(std::isfinite(*viewer.state().time));
+  expectAsRendered(viewer, "without an animation");
 }
 
 // Everything except nearly black becomes black: without the slope of sRGB's curve.
