@@ -323,6 +323,7 @@ void ViewSession::Impl::load(const std::string& source, const scene::LoadOptions
   start.load = options;
   lights = positionalLights(stage.scene());
   state.lightsMoved = false;
+  state.selected.reset();  // its id and values are those of the earlier scene
   shown.reset();
 }
 
@@ -337,7 +338,6 @@ void ViewSession::Impl::openScene(const std::string& source) {
   }
   state.playing = false;
   state.camera.clear();
-  state.selected.reset();
   control.reset();
 }
 

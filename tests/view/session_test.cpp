@@ -538,6 +538,19 @@ TEST(ViewSessionTest, AClickSelectsAndIsOutlined) {
   EXPECT_FALSE(viewer.state().selected) << "a drag is no click";
 }
 
+// A reloaded scene may have other nodes with other ids.
+TEST(ViewSessionTest, ASelectionEndsWithItsScene) {
+  Viewer viewer(small());
+  const SessionFrame before = viewer.settle();
+  viewer(PointerMove{30, 40});
+  viewer(PointerButton{Button::Left, true});
+  viewer(PointerButton{Button::Left, false});
+  ASSERT_TRUE(viewer.state().selected);
+  viewer(Reload{});
+  EXPECT_FALSE(viewer.state().selected);
+  EXPECT_TRUE(viewer.settle().rgba == before.rgba) << "without an outline";
+}
+
 // Like the pointer: by one pixel and by ten, up to the picture's edge and no further.
 TEST(ViewSessionTest, KeysPointAtPixelsAndSelect) {
   const auto pixel = [](uint32_t x, uint32_t y) { return std::array<uint32_t, 2>{x, y}; };
