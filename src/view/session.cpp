@@ -198,7 +198,7 @@ void ViewSession::Impl::makePicture() {
   render(asDraft, follows);
   compose();
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-  if (pictureFailed) forgetError();
+  if (errorOf == ErrorOf::Picture) forgetError();
   picture.final = !asDraft && !follows;
   if (!asDraft) shown = choices();
   picture.milliseconds = 1000 * seconds;
@@ -236,7 +236,7 @@ void ViewSession::Impl::probe() {
 
 void ViewSession::Impl::takeValidation() {
   for (std::string& message : stage.device().validationMessages()) {
-    state.error = "the Vulkan validation layer says: " + message;
+    setError("the Vulkan validation layer says: " + message, ErrorOf::Input);
     warn("{}", state.error);
     validation.push_back(std::move(message));
   }
@@ -244,7 +244,7 @@ void ViewSession::Impl::takeValidation() {
 
 // If the file cannot be read, for example while it is being written, the earlier environment is kept.
 void ViewSession::Impl::lightAgain() {
-  state.error = sentenceOf([&] { stage.lightAgain(); });
+  setError(sentenceOf([&] { stage.lightAgain(); }), ErrorOf::Input);
   touch();
 }
 
@@ -306,9 +306,10 @@ ViewSession::~ViewSession() = default;
 void ViewSession::input(const Input& input) {
   Impl& i = *impl_;
   const std::string sentence = sentenceOf([&] { i.take(input); }, [&](ExitCode code) { i.dropIfLost(code); });
-  if (!sentence.empty()) i.state.error = sentence;
+  if (!sentence.empty()) i.setError(sentence, Impl::ErrorOf::Input);
+  // The state cannot be described if no picture can be rendered with it, for example because of its camera.
   const std::string other = sentenceOf([&] { i.describe(); });
-  if (!other.empty()) i.state.error = other;
+  if (!other.empty()) i.setError(other, Impl::ErrorOf::Picture);
 }
 
 bool ViewSession::wantsFrame() {
@@ -347,8 +348,7 @@ const SessionFrame& ViewSession::next() {
     restored = code == ExitCode::Usage && i.restoreShown();
   });
   if (sentence.empty()) return i.picture;
-  i.state.error = sentence;
-  i.pictureFailed = !restored;
+  i.setError(sentence, restored ? Impl::ErrorOf::RejectedChoices : Impl::ErrorOf::Picture);
   i.state.playing = false;
   i.dirty = restored;
   i.recompose = false;

@@ -64,8 +64,18 @@ struct ViewSession::Impl {
   glm::dvec3 underPointer();
 
   // --- time ---
-  void forgetError() { state.error.clear(), pictureFailed = false; }
-  void touch() { touched = Clock::now(), dirty = true; }
+  // The subject of state.error. Errors about pictures are forgotten when a picture has been rendered.
+  enum class ErrorOf {
+    Input,            // an input, or a file that changed
+    Picture,          // a picture that cannot be rendered with the current choices
+    RejectedChoices,  // choices that were restored because of it: Picture from the next change on
+  };
+  void setError(const std::string& sentence, ErrorOf cause) { state.error = sentence, errorOf = cause; }
+  void forgetError() { setError("", ErrorOf::Input); }
+  void touch() {
+    touched = Clock::now(), dirty = true;
+    if (errorOf == ErrorOf::RejectedChoices) errorOf = ErrorOf::Picture;
+  }
   double sinceTouched() const { return std::chrono::duration<double>(Clock::now() - touched).count(); }
   bool runs() const { return state.playing || steering.flying(); }
   bool isMoving() const;
@@ -108,7 +118,7 @@ struct ViewSession::Impl {
   Stage::Result sides[2];
   std::vector<std::string> validation;
   bool dirty = true, recompose = false;
-  bool pictureFailed = false;        // state.error is that of the last picture
+  ErrorOf errorOf = ErrorOf::Input;
   std::optional<Choices> shown;      // of the last picture that was not a draft, unless restored since
   std::optional<glm::uvec2> probed;  // the probed pixel, if nothing has changed since
   Clock::time_point touched{}, stepped = Clock::now();

@@ -367,6 +367,24 @@ TEST(ViewSessionTest, ASteeredCameraShowsWhatTheFilesDid) {
   EXPECT_NEAR(viewer.state().steered->verticalFov, 0.5, 1e-5);
 }
 
+// The square of the distance of the camera is beyond the largest double until Home.
+TEST(ViewSessionTest, ACameraErrorLastsUntilTheNextPicture) {
+  Viewer viewer(small());
+  viewer.settle();
+  const auto leave = [&] {
+    for (int i = 0; i < 180; ++i) viewer(Wheel{-20});
+    EXPECT_THAT(viewer.state().error, testing::Not(IsEmpty()));
+  };
+  leave();
+  viewer(Key{"Home", true});
+  expectAsRendered(viewer, "returned before a picture was rendered");
+  leave();
+  viewer.settle();
+  EXPECT_THAT(viewer.state().error, testing::Not(IsEmpty())) << "the reason why the camera was restored";
+  viewer(Key{"Home", true});
+  expectAsRendered(viewer, "returned afterwards");
+}
+
 TEST(ViewSessionTest, BeginsWhereItIsTold) {
   Start start = small();
   start.eye = {1, 2, 3}, start.target = {0, 1.5, -4}, start.fov = 63;
