@@ -67,7 +67,8 @@ struct UseCamera {
 struct UseEnvironment {
   std::string name;  // a value of --hdri; empty: the scene's
 };
-// An environment image that is not a file of this machine, with its original name.
+// An environment image that is not a file of this machine, with its original name. If that is the value of --hdri, the
+// environment is named "sent-" and that name, so that both can be selected.
 struct UploadEnvironment {
   std::string name;
   std::shared_ptr<const std::vector<std::byte>> file;

@@ -253,10 +253,10 @@ void ViewSession::Impl::escape() {
 
 void ViewSession::Impl::uploadEnvironment(const UploadEnvironment& given) {
   scene::Environment made = scene::makeEnvironment(scene::decodePicture(*given.file, given.name));
-  made.name = given.name;
+  made.name = given.name == start.environment ? "sent-" + given.name : given.name;
+  state.environment = made.name;  // it contradicts no option
   stage.give(std::move(made));
-  state.environment = given.name;  // it contradicts no option
-  shown.reset();                   // the earlier environment may be one that this one replaced
+  shown.reset();  // the earlier environment may be one that this one replaced
   stage.light(environmentWord());
 }
 

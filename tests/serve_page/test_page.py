@@ -466,6 +466,32 @@ def test_an_environment_is_dropped(view):
     view.get_by_text("scene.glb is not a .hdr or .exr file").wait_for()
 
 
+def test_a_sent_environment_does_not_replace_the_servers_own(page, tmp_path, monkeypatch):
+    (tmp_path / "sky.hdr").write_bytes(panorama(64, 32))
+    monkeypatch.chdir(tmp_path)
+    server = Server(tmp_path, options=("--validate", "--hdri", "sky.hdr", "--background", "hdri"))
+    page.set_viewport_size({"width": 760, "height": 300})
+    page.goto(server.url)
+    settle(page)
+    before = pixels(page)
+    green = panorama(64, 32).replace(bytes((200, 20, 20, 130)), bytes((20, 200, 20, 130)))
+    drop(page, "sky.hdr", green)
+    page.wait_for_selector("#command:has-text('--hdri=sent-sky.hdr')")
+    settle(page)
+    assert page.input_value("#environment") == "sent-sky.hdr"
+    assert numpy.abs(pixels(page) - before).mean() > 5
+    page.select_option("#environment", "sky.hdr")
+    page.wait_for_selector("#command:has-text('--hdri=sky.hdr')")
+    settle(page)
+    assert numpy.abs(pixels(page) - before).mean() < 2
+    page.select_option("#environment", "sent-sky.hdr")
+    page.wait_for_selector("#command:has-text('--hdri=sent-sky.hdr')")
+    settle(page)
+    assert numpy.abs(pixels(page) - before).mean() > 5
+    page.close()
+    server.end()
+
+
 def test_a_split_shows_two_choices(view, tmp_path):
     left = pixels(view)
     view.select_option("#split", "slider")

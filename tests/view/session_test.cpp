@@ -947,6 +947,22 @@ TEST(ViewSessionTest, AnEnvironmentIsGivenWithoutAFileHere) {
   EXPECT_TRUE(viewer.settle().rgba == ofFile.rgba);
 }
 
+TEST(ViewSessionTest, AGivenEnvironmentAndThatOfTheStartCanBothBeSelected) {
+  const Folder folder;
+  folder.write("sky.hdr", radiancePanorama(64, 32));
+  Start start = small("builtin:spheres");
+  start.environment = folder.at("sky.hdr");
+  Viewer viewer(start);
+  const SessionFrame ofFile = viewer.settle();
+  viewer(UploadEnvironment{start.environment, std::make_shared<const models::Bytes>(radiancePanorama(16, 8))});
+  EXPECT_EQ(viewer.state().environment, "sent-" + start.environment);
+  EXPECT_THAT(viewer.state().command, HasSubstr("--hdri=sent-"));
+  EXPECT_FALSE(viewer.settle().rgba == ofFile.rgba);
+  viewer(UseEnvironment{start.environment});
+  EXPECT_TRUE(viewer.settle().rgba == ofFile.rgba);
+  expectAsRendered(viewer, "the file");
+}
+
 // --- a device that is lost ---
 
 // What a user does in a session, step by step: each kind of work that submits to the device.

@@ -58,6 +58,8 @@ const handles = new Handles(
   (light, dx, dy) => send("nudgeLight", { light, dx, dy }),
 );
 let sentFile = null; // the environment that was sent from here
+// The name of an environment that was sent: the server reserves that of its --hdri.
+const sentName = ({ name }) => (tables.environments.includes(name) ? `sent-${name}` : name);
 const side = () => (state.split?.mode !== "off" && document.querySelector("[name=side]:checked").value) || "left";
 
 // --- a session begins; after a lost connection it is told what the last one showed ---
@@ -90,7 +92,7 @@ function restore(last) {
   tellBoth();
   if (last.variants.length) send("variant", { name: last.variant });
   send("camera", { name: last.camera });
-  if (sentFile?.name === last.environment) sendEnvironment(sentFile).then(tellBoth);
+  if (sentFile && sentName(sentFile) === last.environment) sendEnvironment(sentFile).then(tellBoth);
   else send("environment", { name: last.environment });
   tellBoth();
   if ($("lights").getAttribute("aria-pressed") === "true") send("lights", { on: true });
@@ -177,7 +179,7 @@ function showOutputs() {
 }
 
 function showEnvironment() {
-  const sent = sentFile && !tables.environments.includes(sentFile.name) ? [[sentFile.name, `${sentFile.name} (sent)`]] : [];
+  const sent = sentFile ? [[sentName(sentFile), `${sentFile.name} (sent)`]] : [];
   fill($("environment"), [...tables.environments.map((name) => [name, name || "the scene's"]), ...sent]);
   $("environment").value = state.environment;
 }
@@ -254,7 +256,7 @@ $("retry").onclick = () => {
 $("output").onchange = () => send("output", { name: $("output").value, side: side() });
 $("camera").onchange = () => $("camera").value !== "*" && send("camera", { name: $("camera").value });
 $("environment").onchange = () => {
-  if (sentFile?.name === $("environment").value) sendEnvironment(sentFile);
+  if (sentFile && sentName(sentFile) === $("environment").value) sendEnvironment(sentFile);
   else send("environment", { name: $("environment").value });
 };
 $("variant").onchange = () => send("variant", { name: $("variant").value });
