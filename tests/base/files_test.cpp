@@ -21,6 +21,7 @@
 
 #include "base/error.h"
 #include "base/write.h"
+#include "error_of.h"
 #include "small_disk.h"
 
 namespace latelight {
@@ -35,18 +36,6 @@ std::span<const std::byte> bytesOf(std::string_view text) {
 }
 std::string textOf(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-// Returns the message of the Error that `call` throws, after checking its code.
-std::string sentence(ExitCode code, const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code);
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return "";
 }
 
 class Files : public testing::Test {
@@ -65,7 +54,7 @@ TEST_F(Files, OfAGroupAppearTogetherOrNotAtAll) {
     FileGroup group;
     group.add(folder / "a", bytesOf("new"));
     group.add(folder / "b", bytesOf("new"));
-    EXPECT_THAT(sentence(ExitCode::Usage, [&] { group.add(folder / "full", bytesOf("new")); }),
+    EXPECT_THAT(errorOf([&] { group.add(folder / "full", bytesOf("new")); }),
                 AllOf(HasSubstr("full"), HasSubstr("No space left")));
     EXPECT_EQ(textOf(readFile(folder / "a")), "old");
   }
@@ -121,11 +110,11 @@ TEST_F(Files, ReadsFilesThatDoNotStateTheirSize) {
 
 TEST_F(Files, SaysWhyAFileCannotBeRead) {
   const fs::path missing = folder / "missing.glb";
-  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { readFile(missing); }),
+  EXPECT_THAT(errorOf([&] { readFile(missing); }, ExitCode::BadInput),
               AllOf(HasSubstr(missing.string()), HasSubstr("No such file")));
-  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { readFile(folder); }),
+  EXPECT_THAT(errorOf([&] { readFile(folder); }, ExitCode::BadInput),
               AllOf(HasSubstr(folder.string()), HasSubstr("folder, not a file")));
-  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { readFile("/dev/zero"); }), HasSubstr("not a file"));
+  EXPECT_THAT(errorOf([&] { readFile("/dev/zero"); }, ExitCode::BadInput), HasSubstr("not a file"));
 }
 
 TEST_F(Files, OfMoreBytesThanMemoryAreAnError) {
@@ -135,16 +124,16 @@ TEST_F(Files, OfMoreBytesThanMemoryAreAnError) {
   fs::resize_file(huge, uintmax_t{1} << 46, error);  // sparse: needs no space on disk
   if (error) fs::resize_file(huge, (uintmax_t{1} << 44) - 4096, error);
   if (error) GTEST_SKIP() << "this file system has no sparse files of 16 TiB";
-  EXPECT_THAT(sentence(ExitCode::OutOfMemory, [&] { readFile(huge); }), HasSubstr("memory"));
+  EXPECT_THAT(errorOf([&] { readFile(huge); }, ExitCode::OutOfMemory), HasSubstr("memory"));
 }
 
 TEST_F(Files, LeaveNothingWhenTheyCannotBeWritten) {
   const fs::path nowhere = folder / "no" / "such" / "a.png";
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeFile(nowhere, bytesOf("x")); }),
+  EXPECT_THAT(errorOf([&] { writeFile(nowhere, bytesOf("x")); }),
               AllOf(HasSubstr(nowhere.string()), HasSubstr("make its folder")));
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeFile(folder, bytesOf("x")); }),
+  EXPECT_THAT(errorOf([&] { writeFile(folder, bytesOf("x")); }),
               AllOf(HasSubstr(folder.string()), HasSubstr("a file name")));
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeFile("", bytesOf("x")); }), HasSubstr("without a name"));
+  EXPECT_THAT(errorOf([&] { writeFile("", bytesOf("x")); }), HasSubstr("without a name"));
   EXPECT_EQ(entries(), 0u);
 }
 
@@ -200,7 +189,7 @@ TEST_F(Files, AFileSizeLimitIsTheReason) {
   ASSERT_EQ(waitpid(child, &status, 0), child);
   EXPECT_EQ(WEXITSTATUS(status), EFBIG);
   EXPECT_EQ(textOf(readFile(folder / "f")), std::string(1000, 'n'));
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { failToWrite("f", EFBIG); }),
+  EXPECT_THAT(errorOf([&] { failToWrite("f", EFBIG); }),
               AllOf(HasSubstr("can't write 'f'"), HasSubstr("file size limit")));
 }
 
@@ -260,7 +249,7 @@ TEST_F(Files, ThatAreReadOnlyAreNotReplaced) {
   ASSERT_EQ(chmod((folder / "f").c_str(), 0444), 0);
   for (const auto& call : std::vector<std::function<void()>>{[&] { writeFile(folder / "f", bytesOf("new")); },
                                                              [&] { checkWritable(folder / "f"); }})
-    EXPECT_THAT(sentence(ExitCode::Usage, call), HasSubstr("read-only"));
+    EXPECT_THAT(errorOf(call), HasSubstr("read-only"));
   EXPECT_EQ(textOf(readFile(folder / "f")), "old");
   EXPECT_EQ(entries(), 1u);
 }
@@ -274,7 +263,7 @@ TEST_F(Files, OnReadOnlyDisksAreReportedAsSuch) {
   ASSERT_EQ(mount("tmpfs", disk.path().c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, nullptr), 0);
   for (const auto& call :
        std::vector<std::function<void()>>{[&] { writeFile(file, bytesOf("new")); }, [&] { checkWritable(file); }}) {
-    const std::string text = sentence(ExitCode::Usage, call);
+    const std::string text = errorOf(call);
     EXPECT_THAT(text, HasSubstr("the file system is read-only"));
     EXPECT_THAT(text, testing::Not(HasSubstr("chmod")));
   }
@@ -287,8 +276,8 @@ TEST_F(Files, AreNotWrittenWhereLinksLeadNowhere) {
   for (const auto& write :
        std::vector<std::function<void(const fs::path&)>>{[&](const fs::path& path) { writeFile(path, bytesOf("x")); },
                                                          [&](const fs::path& path) { checkWritable(path); }}) {
-    EXPECT_THAT(sentence(ExitCode::Usage, [&] { write(folder / "a"); }), HasSubstr("circle"));
-    EXPECT_THAT(sentence(ExitCode::Usage, [&] { write(folder / "dangling"); }),
+    EXPECT_THAT(errorOf([&] { write(folder / "a"); }), HasSubstr("circle"));
+    EXPECT_THAT(errorOf([&] { write(folder / "dangling"); }),
                 AllOf(HasSubstr("link to 'missing'"), HasSubstr("does not exist")));
   }
   EXPECT_TRUE(fs::is_symlink(folder / "dangling"));
@@ -298,7 +287,7 @@ TEST_F(Files, AreNotWrittenWhereLinksLeadNowhere) {
 TEST_F(Files, AreWrittenIntoPipesThatSomebodyReads) {
   const fs::path pipe = folder / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeFile(pipe, bytesOf("x")); }), HasSubstr("without a reader"));
+  EXPECT_THAT(errorOf([&] { writeFile(pipe, bytesOf("x")); }), HasSubstr("without a reader"));
   checkWritable(pipe);  // the reader may come later
   const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
   writeFile(pipe, bytesOf("picture"));
@@ -310,8 +299,7 @@ TEST_F(Files, AreWrittenIntoPipesThatSomebodyReads) {
     while (read(reader, text, 1) < 1) std::this_thread::yield();
     close(reader);
   });
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeFile(pipe, bytesOf(std::string(1 << 20, 'x'))); }),
-              HasSubstr("Broken pipe"));
+  EXPECT_THAT(errorOf([&] { writeFile(pipe, bytesOf(std::string(1 << 20, 'x'))); }), HasSubstr("Broken pipe"));
   std::signal(SIGPIPE, before);
   EXPECT_TRUE(fs::is_fifo(pipe));
 }
@@ -320,8 +308,8 @@ TEST_F(Files, CheckLeavesNothing) {
   checkWritable(folder / "new");
   checkWritable("-");
   EXPECT_EQ(entries(), 0u);
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { checkWritable(folder / "no" / "a"); }), HasSubstr("make its folder"));
-  EXPECT_THAT(sentence(ExitCode::Usage, [] { checkWritable("/proc/a.png"); }), HasSubstr("/proc/a.png"));
+  EXPECT_THAT(errorOf([&] { checkWritable(folder / "no" / "a"); }), HasSubstr("make its folder"));
+  EXPECT_THAT(errorOf([] { checkWritable("/proc/a.png"); }), HasSubstr("/proc/a.png"));
 }
 
 TEST_F(Files, DashIsStandardOutput) {

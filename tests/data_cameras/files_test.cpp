@@ -57,7 +57,7 @@ TEST(TransformsTest, ReadsAnglesOfView) {
   EXPECT_NEAR(cameras[0].lens->fx, 400, 1e-9);
   EXPECT_NEAR(cameras[0].lens->fy, 400, 1e-9);
   EXPECT_EQ(cameras[0].lens->cy, 200);
-  sentenceOf([&] { readTransforms(folder.at("transforms.json")); }, ExitCode::BadInput);
+  errorOf([&] { readTransforms(folder.at("transforms.json")); }, ExitCode::BadInput);
   const auto placed = made(R"({"type": "transforms", "size": [800, 400], "axes": "z-up", "file": ")" +
                            folder.at("transforms.json") + "\"}");
   EXPECT_EQ(placed[0].name, "r_0");
@@ -71,7 +71,7 @@ TEST(TransformsTest, RefusesWhatNoLensHolds) {
   const auto reads = [&](const std::string& keys, const std::string& focal = R"("fl_x": 4, )") {
     folder.write("t.json", R"({"w": 4, "h": 4, )" + focal + keys +
                                R"(, "frames": [{"transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
-    return sentenceOf([&] { readTransforms(folder.at("t.json")); }, ExitCode::BadInput);
+    return errorOf([&] { readTransforms(folder.at("t.json")); }, ExitCode::BadInput);
   };
   EXPECT_THAT(reads(R"("camera_model": "OPENCV", "k4": 0.1)"), testing::HasSubstr("k4"));
   EXPECT_THAT(reads(R"("camera_model": "ORTHOPHOTO")"), testing::HasSubstr("ORTHOPHOTO"));
@@ -103,7 +103,7 @@ TEST(TransformsTest, ReadsExposures) {
   EXPECT_EQ(stops[1].exposure, (CameraExposure{.ev = -2}));
   const auto sentence = [&](const std::string& all, const std::string& first) {
     const std::string file = write(all, first);
-    return sentenceOf([&] { readTransforms(file); }, ExitCode::BadInput);
+    return errorOf([&] { readTransforms(file); }, ExitCode::BadInput);
   };
   EXPECT_THAT(sentence("", R"("ISO": 200, )"),
               testing::HasSubstr("\"ISO\" and \"fNumber\" require each other and \"shutter\""));
@@ -213,7 +213,7 @@ TEST(ColmapTest, KnowsEachModel) {
   EXPECT_EQ(lens("SIMPLE_RADIAL_FISHEYE 4 5 1 2 3 4").model, Fisheye);
   EXPECT_THAT(lens("RADIAL_FISHEYE 4 5 1 2 3 4 5").distortion, ElementsAre(4, 5, 0, 0, 0, 0, 0, 0));
   for (const std::string refused : {"FOV 4 5 1 2 3 4 5", "THIN_PRISM_FISHEYE 4 5 1 2 3 4 5 6 7 8 9 10 11 12"}) {
-    const std::string sentence = sentenceOf([&] { lens(refused); }, ExitCode::BadInput);
+    const std::string sentence = errorOf([&] { lens(refused); }, ExitCode::BadInput);
     EXPECT_THAT(sentence, testing::HasSubstr(refused.substr(0, refused.find(' '))));
     EXPECT_THAT(sentence, testing::HasSubstr("line 1 of " + folder.at("cameras.txt")));
   }
@@ -267,7 +267,7 @@ TEST(BopTest, ReadsExposures) {
   const auto cameras = readBop(write(R"("shutter": 0.25, "readout": 0.5, "noiseSeed": 3)"), {640, 480});
   EXPECT_EQ(cameras[0].exposure, (CameraExposure{.shutter = 0.25, .readout = 0.5, .noiseSeed = 3}));
   const std::string file = write(R"("readout": null)");
-  EXPECT_EQ(sentenceOf(
+  EXPECT_EQ(errorOf(
                 [&] {
                   readBop(file, {640, 480});
                 },

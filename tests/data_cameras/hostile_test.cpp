@@ -104,7 +104,7 @@ TEST(HostileTest, SaysWhere) {
   const auto reads = [&](const std::string& lensFile, const std::string& imageFile) {
     folder.write("cameras.bin", lensFile);
     folder.write("images.bin", imageFile);
-    return sentenceOf([&] { readColmap(folder.path()); }, ExitCode::BadInput);
+    return errorOf([&] { readColmap(folder.path()); }, ExitCode::BadInput);
   };
   EXPECT_THAT(reads(std::string("\xff\xff\xff\xff\xff\xff\xff\x7f", 8) + cameras.substr(8), images),
               testing::HasSubstr("byte 0 of " + folder.at("cameras.bin") + " declares 9223372036854775807 entries"));
@@ -114,10 +114,10 @@ TEST(HostileTest, SaysWhere) {
   unknown[12] = 99;
   EXPECT_THAT(reads(unknown, images), testing::HasSubstr("byte 8 of"));
   folder.write("t.json", "{\"frames\": [\n\n{\"a\": }]}");
-  EXPECT_THAT(sentenceOf([&] { readTransforms(folder.at("t.json")); }, ExitCode::BadInput),
+  EXPECT_THAT(errorOf([&] { readTransforms(folder.at("t.json")); }, ExitCode::BadInput),
               testing::HasSubstr("t.json:3: it is not JSON"));
   folder.write("t.json", std::string(100000, '['));
-  EXPECT_THAT(sentenceOf([&] { readTransforms(folder.at("t.json")); }, ExitCode::BadInput),
+  EXPECT_THAT(errorOf([&] { readTransforms(folder.at("t.json")); }, ExitCode::BadInput),
               testing::HasSubstr("t.json:1: it is nested deeper than 64 levels"));
 }
 

@@ -127,9 +127,7 @@ TEST(RoundTripTest, Bop) {
 TEST(RoundTripTest, WhatAFormatCantHoldIsRefused) {
   const Folder folder;
   std::vector<CalibratedCamera> camera{{"a", scene::Lens{.model = CubeMap, .width = 6, .height = 1}, dmat4(1)}};
-  const auto refused = [&](const auto& write) {
-    EXPECT_THAT(sentenceOf([&] { write(); }, ExitCode::Usage), testing::HasSubstr("\"a\""));
-  };
+  const auto refused = [&](const auto& write) { EXPECT_THAT(errorOf([&] { write(); }), testing::HasSubstr("\"a\"")); };
   refused([&] { writeTransforms(folder.path() / "t.json", camera); });
   refused([&] { writeColmapText(folder.path(), camera); });
   refused([&] { writeColmapBinary(folder.path(), camera); });

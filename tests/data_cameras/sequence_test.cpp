@@ -106,9 +106,9 @@ TEST(SizeTest, IsTheJobsWhereAFileDoesNotSayIt) {
     EXPECT_EQ(cameras[0].height, 60u);
     EXPECT_NEAR(cameras[0].camera.verticalFov, 2 * std::atan(30.0 / 80), 1e-6);
   }
-  EXPECT_THAT(sentenceOf([&] { made(specs[0]); }, ExitCode::BadInput), testing::HasSubstr("among the job's options"));
+  EXPECT_THAT(errorOf([&] { made(specs[0]); }, ExitCode::BadInput), testing::HasSubstr("among the job's options"));
   for (const size_t i : {1, 2})
-    EXPECT_THAT(sentenceOf([&] { made(specs[i]); }, ExitCode::Usage), testing::HasSubstr("among the job's options"));
+    EXPECT_THAT(errorOf([&] { made(specs[i]); }), testing::HasSubstr("among the job's options"));
 }
 
 // --- models ---------------------------------------------------------------------------------------------------------
@@ -142,11 +142,10 @@ TEST(ModelsTest, ColmapsEquirectangularPicturesAreOurs) {
   const auto pixel = scene::LensProjection(lens).project({1, 0, 0});  // a quarter turn to the right
   EXPECT_NEAR(pixel->x, 48, 1e-9);
   folder.write("cameras.txt", std::string_view("1 EQUIRECTANGULAR 64 32 32 16\n"));
-  EXPECT_THAT(sentenceOf([&] { readColmap(folder.path()); }, ExitCode::BadInput),
-              testing::HasSubstr("must be the size"));
+  EXPECT_THAT(errorOf([&] { readColmap(folder.path()); }, ExitCode::BadInput), testing::HasSubstr("must be the size"));
   for (const std::string refused : {"SIMPLE_DIVISION 4 5 1 2 3 4", "DIVISION 4 5 1 2 3 4 5", "EUCM 4 5 1 2 3 4 5 6"}) {
     folder.write("cameras.txt", "1 " + refused + "\n");
-    EXPECT_THAT(sentenceOf([&] { readColmap(folder.path()); }, ExitCode::BadInput),
+    EXPECT_THAT(errorOf([&] { readColmap(folder.path()); }, ExitCode::BadInput),
                 testing::HasSubstr("COLMAP's model " + refused.substr(0, refused.find(' ')) + ", which"));
   }
 }
@@ -168,7 +167,7 @@ TEST(ModelsTest, NerfstudiosRadialOnesAreOpenCvs) {
     EXPECT_GT(lens(fmt::format(R"("camera_model": "{}")", model)).width, 0) << model;
   EXPECT_EQ(lens(R"("is_fisheye": true)").model, scene::LensModel::Fisheye);  // keys of instant-ngp
   EXPECT_EQ(lens(R"("latlong": true)").model, scene::LensModel::Equirectangular);
-  EXPECT_THAT(sentenceOf([&] { lens(R"("camera_model": "FISHEYE624")"); }, ExitCode::BadInput),
+  EXPECT_THAT(errorOf([&] { lens(R"("camera_model": "FISHEYE624")"); }, ExitCode::BadInput),
               testing::HasSubstr("give OPENCV, SIMPLE_RADIAL, RADIAL"));
 }
 

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "data/cameras/calibrated.h"
 #include "data/cameras/cameras.h"
+#include "error_of.h"
 #include "render/frame/view.h"
 #include "scene/load/load.h"
 
@@ -51,19 +52,6 @@ inline dvec2 pixelOf(const JobCamera& camera, dvec3 point, uint32_t width, uint3
 inline dvec3 eyeOf(const JobCamera& camera) {
   const dvec3 world(camera.camera.toWorld[3]);
   return {world.x, world.z, -world.y};
-}
-
-// Returns the message of an error after checking its kind.
-template <typename Call>
-std::string sentenceOf(const Call& call, ExitCode code) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return {};
 }
 
 inline void expectNear(dvec3 actual, dvec3 expected, double tolerance) {

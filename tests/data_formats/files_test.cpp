@@ -21,7 +21,6 @@ namespace {
 using output::Aov;
 using output::AovImage;
 using output::ReadImage;
-using output::sentence;
 
 class FormatFilesTest : public FormatsTest {
  protected:
@@ -138,11 +137,11 @@ TEST_F(FormatFilesTest, PointsLieOnTheirSurface) {
 TEST_F(FormatFilesTest, FilmsNeedFfmpeg) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", folder.c_str(), 1);
-  EXPECT_THAT(sentence(ExitCode::Usage, [] { make("video"); }), testing::HasSubstr("requires ffmpeg"));
+  EXPECT_THAT(errorOf([] { make("video"); }), testing::HasSubstr("requires ffmpeg"));
   std::ofstream(folder / "ffmpeg") << "#!/bin/sh\nexit 1\n";
   std::filesystem::permissions(folder / "ffmpeg", std::filesystem::perms::owner_all);
   std::ofstream(folder / "a.png") << std::string(1 << 20, 'x');  // more than a socket accepts at once
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { make("video")->writeSet({std::vector<Json>{"a.png"}}, folder); }),
+  EXPECT_THAT(errorOf([&] { make("video")->writeSet({std::vector<Json>{"a.png"}}, folder); }),
               testing::HasSubstr("ffmpeg failed to encode"));
   setenv("PATH", path.c_str(), 1);
   EXPECT_FALSE(std::filesystem::exists(folder / "video.mp4"));
@@ -340,7 +339,7 @@ TEST_F(FormatFilesTest, TransformsHaveOneModel) {
   EXPECT_NO_THROW(transforms->checkTogether(pinhole, opencv));
   EXPECT_NO_THROW(transforms->checkTogether(fisheye, fisheye));
   for (const DataFrame* other : {&pinhole, &opencv})
-    EXPECT_THAT(sentence(ExitCode::Usage, [&] { transforms->checkTogether(fisheye, *other); }),
+    EXPECT_THAT(errorOf([&] { transforms->checkTogether(fisheye, *other); }),
                 testing::HasSubstr("one camera_model for all frames, but that of the camera \"wide\" is OPENCV_FISHEYE "
                                    "and that of \"" +
                                    other->metadata.camera.name + "\" is OPENCV: "));
@@ -355,7 +354,7 @@ TEST_F(FormatFilesTest, LensesAreRefusedWhereThereAreNone) {
     camera.lens = lens;
     const auto [width, height] = std::pair(static_cast<uint32_t>(lens.width), static_cast<uint32_t>(lens.height));
     const DataFrame frame = studio.frame(camera, width, height, {format.get()});
-    return sentence(ExitCode::Usage, [&] { format->writeFrame(frame, folder); });
+    return errorOf([&] { format->writeFrame(frame, folder); });
   };
   EXPECT_THAT(said("bop", kLenses[0]), testing::HasSubstr("the format bop cannot express cameras with a lens"));
   EXPECT_THAT(said("transforms", {scene::LensModel::CubeMap, 96, 16}), testing::HasSubstr("knows no cube maps"));
@@ -431,7 +430,7 @@ TEST_F(FormatFilesTest, OrthographicCamerasAreRefusedWhereThereAreNone) {
   for (const char* name : {"bop", "transforms"}) {
     const std::unique_ptr<Format> format = make(name);
     const DataFrame frame = studio.frame(squaresCamera(), 16, 16, {format.get()});
-    EXPECT_THAT(sentence(ExitCode::Usage, [&] { format->writeFrame(frame, folder); }),
+    EXPECT_THAT(errorOf([&] { format->writeFrame(frame, folder); }),
                 testing::HasSubstr(fmt::format("the format {} cannot express orthographic cameras", name)));
   }
 }
@@ -477,9 +476,7 @@ TEST_F(FormatFilesTest, FilesHaveExtensionsInAnyCase) {
 }
 
 TEST_F(FormatFilesTest, WrongOptionsAreNamed) {
-  const auto said = [](const char* name, const Json& options) {
-    return sentence(ExitCode::Usage, [&] { make(name, options); });
-  };
+  const auto said = [](const char* name, const Json& options) { return errorOf([&] { make(name, options); }); };
   EXPECT_THAT(said("exr", {{"file", "all.exr"}}), testing::HasSubstr("file with {name} in it"));
   EXPECT_THAT(said("exr", {{"file", "/tmp/{name}.exr"}}), testing::HasSubstr("below the data set's folder"));
   EXPECT_THAT(said("npz", {{"file", "../{name}.npz"}}), testing::HasSubstr("below the data set's folder"));

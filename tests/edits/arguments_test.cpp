@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "error_of.h"
 #include "placed.h"
 #include "test_device.h"
 
@@ -22,17 +23,6 @@ namespace {
 using testing::HasSubstr;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-// Returns the message of an Error with this code.
-std::string errorOf(const std::function<void()>& call, ExitCode code = ExitCode::Usage) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code);
-    return error.what();
-  }
-  return "no error";
-}
 
 // Points with as many values in all fields.
 LidarPoints points(size_t count) {

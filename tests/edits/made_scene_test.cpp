@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "error_of.h"
 #include "output/png.h"
 #include "test_device.h"
 
@@ -47,16 +48,6 @@ Options square(std::vector<std::string> outputs) {
 std::vector<float> pixel(const Aov& aov, size_t x, size_t y) {
   const float* first = aov.values.data() + (y * 16 + x) * aov.channels;
   return {first, first + aov.channels};
-}
-
-std::string refused(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::Usage);
-    return error.what();
-  }
-  return "nothing was refused";
 }
 
 TEST(MadeScene, IsEmptyAtFirst) {
@@ -151,7 +142,7 @@ TEST(MadeScene, GivesBackTheLayersOfItsMaterials) {
   EXPECT_EQ(scene.textureOf(handle, TextureSlot::DiffuseTransmissionColor).value().texture, texture);
   EXPECT_FALSE(scene.textureOf(handle, TextureSlot::SheenColor).has_value());
   glass.attenuationDistance = 0;
-  EXPECT_THAT(refused([&] { scene.setMaterial(handle, glass); }), HasSubstr("attenuation distance"));
+  EXPECT_THAT(errorOf([&] { scene.setMaterial(handle, glass); }), HasSubstr("attenuation distance"));
   glass.attenuationDistance = 4;
   scene.setMaterial(handle, glass);
   EXPECT_EQ(scene.material(handle).attenuationDistance, 4);
@@ -179,16 +170,16 @@ TEST(MadeScene, IsLitByAnEnvironmentOfPixels) {
   const Frame frame = Renderer(scene, latelight::test::testDevice(), sky).render(scene.defaultCamera(1), options);
   EXPECT_THAT(pixel(frame.aovs.at("color"), 8, 8), ElementsAre(0.25f, 0.5f, 2.0f, 1));
   const auto wrong = [&] { Renderer(scene, latelight::test::testDevice(), EnvironmentData{32, 32, {}}); };
-  EXPECT_THAT(refused(wrong), HasSubstr("twice as wide"));
+  EXPECT_THAT(errorOf(wrong), HasSubstr("twice as wide"));
 }
 
 TEST(MadeScene, RefusesWhatCannotBe) {
   Scene scene;
   const auto material = scene.addMaterial({});
-  EXPECT_THAT(refused([&] { scene.addTexture({"a", 0, 1, true, {}}); }), HasSubstr("no pixels"));
-  EXPECT_THAT(refused([&] { scene.addTexture({"a", 2, 1, true, {1, 2, 3}}); }), HasSubstr("3 bytes"));
-  EXPECT_THAT(refused([&] { scene.setTexture(material, TextureSlot::Normal, TextureUse{}); }), HasSubstr("a texture"));
-  EXPECT_THAT(refused([&] { encodePng(2, 2, {1, 2, 3}); }), HasSubstr("3 bytes are given"));
+  EXPECT_THAT(errorOf([&] { scene.addTexture({"a", 0, 1, true, {}}); }), HasSubstr("no pixels"));
+  EXPECT_THAT(errorOf([&] { scene.addTexture({"a", 2, 1, true, {1, 2, 3}}); }), HasSubstr("3 bytes"));
+  EXPECT_THAT(errorOf([&] { scene.setTexture(material, TextureSlot::Normal, TextureUse{}); }), HasSubstr("a texture"));
+  EXPECT_THAT(errorOf([&] { encodePng(2, 2, {1, 2, 3}); }), HasSubstr("3 bytes are given"));
 }
 
 TEST(PublicPng, HoldsThePicture) {
@@ -217,7 +208,7 @@ TEST(MadeScene, HasColorsThatAreFactors) {
   EXPECT_EQ(scene.meshData(scene.addMesh(mesh)).colors, mesh.colors);
   for (const float wrong : {200.0f, -0.5f}) {
     mesh.colors[3][0] = wrong;
-    EXPECT_THAT(refused([&] { scene.addMesh(mesh); }), HasSubstr("\"picture\" must lie from 0 to 1, and one is"));
+    EXPECT_THAT(errorOf([&] { scene.addMesh(mesh); }), HasSubstr("\"picture\" must lie from 0 to 1, and one is"));
   }
   EXPECT_EQ(scene.meshes().size(), 1u);
 }
@@ -307,7 +298,7 @@ TEST(Waiting, RejectsCallsOfTheRendererFromItsCallback) {
   std::vector<float> depths;
   renderer.whileWaiting([&] {
     if (!rejections.empty()) return;
-    for (const auto& call : calls) rejections.push_back(refused(call));
+    for (const auto& call : calls) rejections.push_back(errorOf(call));
     depths = other.render(camera, options).aovs.at("depth").values;
   });
   passInterval();
@@ -327,7 +318,7 @@ TEST(Waiting, RejectsCallsFromCallbacksWithinCallbacks) {
   Renderer second(scene, latelight::test::testDevice());
   const Camera camera = scene.defaultCamera(1);
   std::vector<std::string> rejections;
-  second.whileWaiting([&] { rejections.push_back(refused([&] { first.render(camera, square({"depth"})); })); });
+  second.whileWaiting([&] { rejections.push_back(errorOf([&] { first.render(camera, square({"depth"})); })); });
   first.whileWaiting([&] {
     first.whileWaiting({});
     passInterval();
@@ -398,7 +389,7 @@ TEST(Waiting, TheCallbackMayDestroyOrMoveTheTicketThatWaits) {
          other = work.renderer.submit({work.camera}, work.options);
   EXPECT_EQ(takeWhile([&] { return moved.take(); }, [&] { other = std::move(moved); }).size(), 1u);
   EXPECT_TRUE(other.done());
-  EXPECT_THAT(refused([&] { other.take(); }), HasSubstr("taken already"));
+  EXPECT_THAT(errorOf([&] { other.take(); }), HasSubstr("taken already"));
 }
 
 TEST(Waiting, TicketsCanBeTakenAfterAnException) {
@@ -423,9 +414,9 @@ TEST(Waiting, TicketsCanBeTakenAfterAnException) {
   EXPECT_EQ(copied, work.depths);
   rays.take();
   EXPECT_EQ(std::vector{distance}, work.distances);
-  EXPECT_THAT(refused([&] { pictures.take(); }), HasSubstr("taken already"));
-  EXPECT_THAT(refused([&] { arrays.takeArrays(); }), HasSubstr("taken already"));
-  EXPECT_THAT(refused([&] { rays.take(); }), HasSubstr("taken already"));
+  EXPECT_THAT(errorOf([&] { pictures.take(); }), HasSubstr("taken already"));
+  EXPECT_THAT(errorOf([&] { arrays.takeArrays(); }), HasSubstr("taken already"));
+  EXPECT_THAT(errorOf([&] { rays.take(); }), HasSubstr("taken already"));
 }
 
 }  // namespace

@@ -6,22 +6,13 @@
 #include <functional>
 
 #include "base/hash.h"
+#include "error_of.h"
 #include "test_device.h"
 
 namespace latelight {
 namespace {
 
 using testing::HasSubstr;
-
-std::string refusal(const std::function<void()>& edit) {
-  try {
-    edit();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::Usage);
-    return error.what();
-  }
-  return "nothing was refused";
-}
 
 constexpr Transform kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
@@ -61,12 +52,12 @@ struct Wall {
 
 TEST(Removal, OfWhatIsUsedIsRefusedByTheUsersName) {
   Wall wall;
-  EXPECT_THAT(refusal([&] { wall.scene.removeMesh(wall.mesh); }), HasSubstr("the instance /wall shows it"));
-  EXPECT_THAT(refusal([&] { wall.scene.removeMaterial(wall.material); }), HasSubstr("the instance /wall shows it"));
-  EXPECT_THAT(refusal([&] { wall.scene.removeTexture(wall.texture); }), HasSubstr("the material \"paint\" samples it"));
+  EXPECT_THAT(errorOf([&] { wall.scene.removeMesh(wall.mesh); }), HasSubstr("the instance /wall shows it"));
+  EXPECT_THAT(errorOf([&] { wall.scene.removeMaterial(wall.material); }), HasSubstr("the instance /wall shows it"));
+  EXPECT_THAT(errorOf([&] { wall.scene.removeTexture(wall.texture); }), HasSubstr("the material \"paint\" samples it"));
   wall.scene.removeInstance(wall.instance);
   wall.scene.removeMesh(wall.mesh);
-  EXPECT_THAT(refusal([&] { wall.scene.removeTexture(wall.texture); }), HasSubstr("the material \"paint\" samples it"));
+  EXPECT_THAT(errorOf([&] { wall.scene.removeTexture(wall.texture); }), HasSubstr("the material \"paint\" samples it"));
   wall.scene.removeMaterial(wall.material);
   wall.scene.removeTexture(wall.texture);
   EXPECT_TRUE(wall.scene.meshes().empty() && wall.scene.materials().empty() && wall.scene.textures().empty());
@@ -81,14 +72,14 @@ TEST(Removal, HandlesOfRemovedElementsAreRefusedEvenIfAnotherTakesTheirPlace) {
   wall.scene.removeMaterial(material);
   wall.scene.removeTexture(texture);
   for (int round = 0; round < 2; ++round) {
-    EXPECT_THAT(refusal([&] { wall.scene.mesh(mesh); }), HasSubstr("removed"));
-    EXPECT_THAT(refusal([&] { wall.scene.addInstance(mesh, wall.material, kIdentity); }), HasSubstr("removed"));
-    EXPECT_THAT(refusal([&] { wall.scene.assignMaterial(wall.instance, material); }), HasSubstr("removed"));
-    EXPECT_THAT(refusal([&] { wall.scene.removeMaterial(material); }), HasSubstr("removed"));
-    EXPECT_THAT(refusal([&] { wall.scene.textureData(texture); }), HasSubstr("removed"));
-    EXPECT_THAT(refusal([&] { wall.scene.setTextureData(texture, plain(2, 2, {})); }), HasSubstr("removed"));
+    EXPECT_THAT(errorOf([&] { wall.scene.mesh(mesh); }), HasSubstr("removed"));
+    EXPECT_THAT(errorOf([&] { wall.scene.addInstance(mesh, wall.material, kIdentity); }), HasSubstr("removed"));
+    EXPECT_THAT(errorOf([&] { wall.scene.assignMaterial(wall.instance, material); }), HasSubstr("removed"));
+    EXPECT_THAT(errorOf([&] { wall.scene.removeMaterial(material); }), HasSubstr("removed"));
+    EXPECT_THAT(errorOf([&] { wall.scene.textureData(texture); }), HasSubstr("removed"));
+    EXPECT_THAT(errorOf([&] { wall.scene.setTextureData(texture, plain(2, 2, {})); }), HasSubstr("removed"));
     EXPECT_THAT(
-        refusal([&] { wall.scene.setTexture(wall.material, TextureSlot::Normal, TextureUse{.texture = texture}); }),
+        errorOf([&] { wall.scene.setTexture(wall.material, TextureSlot::Normal, TextureUse{.texture = texture}); }),
         HasSubstr("removed"));
     EXPECT_EQ(wall.scene.addMesh(square("next")).index, mesh.index + static_cast<uint32_t>(round));
     EXPECT_EQ(wall.scene.addMaterial({.name = "next"}).index, material.index + static_cast<uint32_t>(round));
@@ -158,7 +149,7 @@ TEST(Removal, ReplacedPixelsShowInAllMaterialsAndSizes) {
   };
   EXPECT_NEAR(grey(false), 128 / 255.0, 2e-3);
   EXPECT_NEAR(grey(true), 0.2158605, 2e-3);  // ((128 / 255 + 0.055) / 1.055) ^ 2.4
-  EXPECT_THAT(refusal([&] {
+  EXPECT_THAT(errorOf([&] {
                 wall.scene.setTextureData(wall.texture, {"none", 0, 0, true, {}});
               }),
               HasSubstr("no pixels"));

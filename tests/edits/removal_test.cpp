@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "edits/host_memory.h"
 #include "edits/workshop.h"
+#include "error_of.h"
 #include "scene/animation.h"
 #include "scene/edit.h"
 #include "test_device.h"
@@ -16,16 +17,6 @@ namespace latelight::render::test {
 namespace {
 
 using testing::HasSubstr;
-
-std::string refusal(const std::function<void()>& edit) {
-  try {
-    edit();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::Usage);
-    return error.what();
-  }
-  return "nothing was refused";
-}
 
 // --- elements that the scene had at first ---------------------------------------------------------------------------
 
@@ -44,7 +35,7 @@ TEST_F(RemovalTest, RemovedInstancesWhoseMeshIsGoneAreNotRestored) {
   Renderer renderer(device(), scene_, nullptr);
   removeMesh(scene_, mesh);
   addMesh(scene_, squareMesh());
-  EXPECT_THAT(refusal([&] { restoreInstance(scene_, instance); }), HasSubstr("is not one of the scene's own"));
+  EXPECT_THAT(errorOf([&] { restoreInstance(scene_, instance); }), HasSubstr("is not one of the scene's own"));
   expectAsFresh(renderer, device(), scene_, settings_);
 }
 

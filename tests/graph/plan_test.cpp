@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "error_of.h"
 #include "graph/graph.h"
 #include "plan_text.h"
 
@@ -345,34 +346,37 @@ TEST_F(Plans, RefuseToExportWhatNothingWrote) {
   EXPECT_THAT(complaint(), HasSubstr("the export reads 'color'"));
 }
 
-std::string refusal(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::Internal);
-    return error.what();
-  }
-  return "";
-}
-
 TEST_F(Plans, RefuseUsesThatDoNotFit) {
   const ImageId i = image("color");
   const BufferId b = buffer("list");
-  EXPECT_THAT(refusal([&] {
-                pass("p", {{b, Use::ColorAttachment}});
-              }),
+  EXPECT_THAT(errorOf(
+                  [&] {
+                    pass("p", {{b, Use::ColorAttachment}});
+                  },
+                  ExitCode::Internal),
               HasSubstr("buffer 'list' cannot be used as ColorAttachment"));
-  EXPECT_THAT(refusal([&] {
-                pass("p", {{i, Use::IndirectRead}});
-              }),
+  EXPECT_THAT(errorOf(
+                  [&] {
+                    pass("p", {{i, Use::IndirectRead}});
+                  },
+                  ExitCode::Internal),
               HasSubstr("image 'color' cannot be used as IndirectRead"));
-  EXPECT_THAT(refusal([&] { graph.exports(i, Use::HostRead); }), HasSubstr("cannot be used as HostRead"));
-  EXPECT_THAT(refusal([&] { pass("p", {{b, Use::HostRead}}); }), HasSubstr("HostRead is for exports"));
-  EXPECT_THAT(refusal([&] {
-                pass("p", {{i, Use::ColorAttachment}, {i, Use::SampledFragment}});
-              }),
+  EXPECT_THAT(errorOf([&] { graph.exports(i, Use::HostRead); }, ExitCode::Internal),
+              HasSubstr("cannot be used as HostRead"));
+  EXPECT_THAT(errorOf(
+                  [&] {
+                    pass("p", {{b, Use::HostRead}});
+                  },
+                  ExitCode::Internal),
+              HasSubstr("HostRead is for exports"));
+  EXPECT_THAT(errorOf(
+                  [&] {
+                    pass("p", {{i, Use::ColorAttachment}, {i, Use::SampledFragment}});
+                  },
+                  ExitCode::Internal),
               HasSubstr("'color' as ColorAttachment and as SampledFragment, which need different layouts"));
-  EXPECT_THAT(refusal([&] { graph.import(vk::Image(), Use::VertexRead); }), HasSubstr("cannot be used as VertexRead"));
+  EXPECT_THAT(errorOf([&] { graph.import(vk::Image(), Use::VertexRead); }, ExitCode::Internal),
+              HasSubstr("cannot be used as VertexRead"));
 }
 
 TEST_F(Plans, GiveResourcesTheUsageTheyNeed) {

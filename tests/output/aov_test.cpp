@@ -43,11 +43,10 @@ TEST(Aovs, AreParsedInTheOrderGivenWithoutRepeats) {
 
 TEST(Aovs, ThatDoNotExistAreNamedWithThoseThatDo) {
   for (const char* list : {"depth,dept", "", "depth,", ",", "Depth"}) {
-    EXPECT_THAT(sentence(ExitCode::Usage, [&] { parseAovs(list); }),
-                AllOf(HasSubstr("color, raw, depth, distance"), HasSubstr("uv")))
+    EXPECT_THAT(errorOf([&] { parseAovs(list); }), AllOf(HasSubstr("color, raw, depth, distance"), HasSubstr("uv")))
         << list;
   }
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { parseAovs("dept"); }), HasSubstr("\"dept\""));
+  EXPECT_THAT(errorOf([&] { parseAovs("dept"); }), HasSubstr("\"dept\""));
 }
 
 TEST(Aovs, AreBackgroundWhereNothingIsDrawn) {

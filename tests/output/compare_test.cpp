@@ -128,10 +128,10 @@ TEST(Compare, HeedsTheChannelsChosen) {
   options.channels = {"Z"};
   EXPECT_EQ(compare(a, b, options).beyond, 0u);
   options.channels = {"A"};
-  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { compare(a, b, options); }), HasSubstr("only the first"));
+  EXPECT_THAT(errorOf([&] { compare(a, b, options); }, ExitCode::BadInput), HasSubstr("only the first"));
   options.channels = {"Q"};
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { compare(a, b, options); }), AllOf(HasSubstr("\"Q\""), HasSubstr("Z A")));
-  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { compare(a, b); }), HasSubstr("different channels"));
+  EXPECT_THAT(errorOf([&] { compare(a, b, options); }), AllOf(HasSubstr("\"Q\""), HasSubstr("Z A")));
+  EXPECT_THAT(errorOf([&] { compare(a, b); }, ExitCode::BadInput), HasSubstr("different channels"));
 }
 
 TEST(Compare, MatchesSingleChannelsWhateverTheirNames) {
@@ -140,7 +140,7 @@ TEST(Compare, MatchesSingleChannelsWhateverTheirNames) {
 
 TEST(Compare, RefusesDifferentSizes) {
   const ReadImage a = picture(ChannelType::Float, {1}), b = picture(ChannelType::Float, {1, 2});
-  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { compare(a, b); }), AllOf(HasSubstr("1x1"), HasSubstr("2x1")));
+  EXPECT_THAT(errorOf([&] { compare(a, b); }, ExitCode::BadInput), AllOf(HasSubstr("1x1"), HasSubstr("2x1")));
 }
 
 TEST(DifferencePicture, IsGreyWithinTheToleranceAndColouredBeyond) {

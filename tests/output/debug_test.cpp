@@ -194,7 +194,7 @@ TEST(DebugRequest, SheetOmitsTheOutputsThatTheHelpNames) {
 }
 
 TEST(ContactSheet, OfNothingIsAnError) {
-  EXPECT_THAT(sentence(ExitCode::Usage, [] { contactSheet({}); }), testing::HasSubstr("at least one"));
+  EXPECT_THAT(errorOf([] { contactSheet({}); }), testing::HasSubstr("at least one"));
 }
 
 }  // namespace

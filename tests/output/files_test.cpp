@@ -41,8 +41,7 @@ TEST_F(Output, TakesItsFormatFromTheEnding) {
   EXPECT_EQ(formatOf("{scene}.npy"), Format::Npy);
   EXPECT_EQ(formatOf("-"), Format::Png);
   for (const char* name : {"a.jpg", "a", "", ".png", "png", "a.png/"}) {
-    EXPECT_THAT(sentence(ExitCode::Usage, [&] { formatOf(name); }),
-                AllOf(HasSubstr(".png"), HasSubstr(".exr"), HasSubstr(".npy")))
+    EXPECT_THAT(errorOf([&] { formatOf(name); }), AllOf(HasSubstr(".png"), HasSubstr(".exr"), HasSubstr(".npy")))
         << name;
   }
 }
@@ -110,7 +109,7 @@ TEST_F(Output, OfColorInPngIsTheDisplayPicture) {
 
 TEST_F(Output, IsCheckedBeforeRendering) {
   const auto says = [&](const std::string& name, std::vector<Aov> aovs = {Aov::Color}) {
-    return sentence(ExitCode::Usage, [&] { checkOutput(request(name, std::move(aovs))); });
+    return errorOf([&] { checkOutput(request(name, std::move(aovs))); });
   };
   EXPECT_THAT(says("a.bmp"), HasSubstr(".png, .exr or .npy"));
   EXPECT_THAT(says("{view}.png"), AllOf(HasSubstr("{view}"), HasSubstr("{aov}, {frame}, {camera}, {scene}")));
@@ -122,15 +121,10 @@ TEST_F(Output, IsCheckedBeforeRendering) {
   EXPECT_THAT(says("no/{aov}/a.png"), HasSubstr("does not exist"));
   fs::create_directory(folder / "a.png");
   EXPECT_THAT(says("a.png"), HasSubstr("is a folder"));
-  EXPECT_THAT(sentence(ExitCode::Usage,
-                       [] {
-                         checkOutput({"-", {Aov::Position}, std::nullopt});
-                       }),
-              HasSubstr("position"));
-  EXPECT_THAT(sentence(ExitCode::Usage,
-                       [] {
-                         checkOutput({"-", {Aov::Color, Aov::Depth, Aov::Id}, std::nullopt});
-                       }),
+  EXPECT_THAT(errorOf([] { checkOutput({"-", {Aov::Position}, std::nullopt}); }), HasSubstr("position"));
+  EXPECT_THAT(errorOf([] {
+                checkOutput({"-", {Aov::Color, Aov::Depth, Aov::Id}, std::nullopt});
+              }),
               AllOf(HasSubstr("one PNG file"), HasSubstr("3 outputs")));
   checkOutput(request("ok.png"));
   EXPECT_THAT(names(), ElementsAre("a.png/"));
@@ -139,15 +133,14 @@ TEST_F(Output, IsCheckedBeforeRendering) {
 TEST_F(Output, ToAFolderThatIsClosedIsRefusedBeforeRendering) {
   if (geteuid() == 0) {
     // Permissions do not restrict root, but the kernel's own folder does, on writing.
-    EXPECT_THAT(sentence(ExitCode::Usage,
-                         [&] {
-                           writeOutput({"/proc/a.png", {Aov::Color}, std::nullopt}, frame, {});
-                         }),
+    EXPECT_THAT(errorOf([&] {
+                  writeOutput({"/proc/a.png", {Aov::Color}, std::nullopt}, frame, {});
+                }),
                 HasSubstr("/proc/a.png"));
     return;
   }
   fs::permissions(folder, fs::perms::owner_read | fs::perms::owner_exec);
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { checkOutput(request("a.png")); }), HasSubstr("Permission denied"));
+  EXPECT_THAT(errorOf([&] { checkOutput(request("a.png")); }), HasSubstr("Permission denied"));
   fs::permissions(folder, fs::perms::owner_all);
 }
 
@@ -155,8 +148,7 @@ TEST_F(Output, LeavesNothingBehindOnAFullDisk) {
   fs::create_symlink("/dev/full", at("full.exr"));
   const OutputRequest full = request("full.exr", {Aov::Color, Aov::Depth});
   checkOutput(full);
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeOutput(full, frame, {}); }),
-              AllOf(HasSubstr("full.exr"), HasSubstr("No space left")));
+  EXPECT_THAT(errorOf([&] { writeOutput(full, frame, {}); }), AllOf(HasSubstr("full.exr"), HasSubstr("No space left")));
   EXPECT_THAT(names(), ElementsAre("full.exr"));
 }
 
@@ -166,18 +158,16 @@ TEST_F(Output, OfSeveralFilesIsReplacedTogether) {
   const std::vector<std::byte> old = readFile(at("a.png"));
   fs::create_symlink("/dev/full", at("a.depth.png"));
   frame = frameOfNumbers(12, 7);
-  EXPECT_THAT(sentence(ExitCode::Usage,
-                       [&] {
-                         writeOutput(request("a.png", {Aov::Color, Aov::Depth}), frame, {});
-                       }),
+  EXPECT_THAT(errorOf([&] {
+                writeOutput(request("a.png", {Aov::Color, Aov::Depth}), frame, {});
+              }),
               AllOf(HasSubstr("a.depth.png"), HasSubstr("No space left")));
   EXPECT_EQ(readFile(at("a.png")), old);
   EXPECT_THAT(names(), ElementsAre("a.depth.png", "a.png"));
 }
 
 TEST_F(Output, KeepsTheOldFileWhenItsFolderGoes) {
-  EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeOutput(request("gone/a.exr"), frame, {}); }),
-              HasSubstr("gone/a.exr"));
+  EXPECT_THAT(errorOf([&] { writeOutput(request("gone/a.exr"), frame, {}); }), HasSubstr("gone/a.exr"));
   EXPECT_THAT(names(), IsEmpty());
 }
 

@@ -89,7 +89,7 @@ TEST(Npy, RejectsIntegersThatDoublesRound) {
   EXPECT_EQ(read("<f8", std::bit_cast<uint64_t>(1e300)).channels[0].values, (std::vector<double>{0, 1e300}));
   for (const auto& [type, value] : {std::pair("<u8", kLimit + 1), std::pair("<i8", kLimit + 1),
                                     std::pair("<u8", ~uint64_t{0}), std::pair("<i8", uint64_t{1} << 63)}) {
-    EXPECT_THAT(sentence(ExitCode::BadInput, [&] { read(type, value); }),
+    EXPECT_THAT(errorOf([&] { read(type, value); }, ExitCode::BadInput),
                 AllOf(HasSubstr("some/a.id.npy"), HasSubstr("pixel 0,1"), HasSubstr("below 2^53")))
         << type << " " << value;
   }
@@ -97,7 +97,7 @@ TEST(Npy, RejectsIntegersThatDoublesRound) {
 
 TEST(Npy, ThatIsNoPictureIsRefusedByWhatIsWrong) {
   const auto says = [](const std::vector<std::byte>& bytes) {
-    return sentence(ExitCode::BadInput, [&] { decodeNpy(bytes, "some/a.npy"); });
+    return errorOf([&] { decodeNpy(bytes, "some/a.npy"); }, ExitCode::BadInput);
   };
   const std::pair<const char*, const char*> cases[] = {
       {"{'descr': '>f4', 'fortran_order': False, 'shape': (1, 1), }", "'>f4'"},

@@ -84,7 +84,7 @@ TEST_F(Reading, RefusesSubSampledExr) {
     file.setFrameBuffer(pixels.data(), 1, 4);
     file.writePixels(4);
   }
-  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { readImage(at("l.exr")); }),
+  EXPECT_THAT(errorOf([&] { readImage(at("l.exr")); }, ExitCode::BadInput),
               AllOf(HasSubstr("l.exr"), HasSubstr("subsampled")));
 }
 
@@ -92,10 +92,10 @@ TEST_F(Reading, KnowsFormatsByTheirFirstBytes) {
   writeFile(at("x.exr"), encodePng(numbers(Aov::Ao, 3, 3)));
   EXPECT_EQ(readImage(at("x.exr")).channels[0].type, ChannelType::Unorm16);
   writeFile(at("x.png"), std::as_bytes(std::span("GIF89a")));
-  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { readImage(at("x.png")); }), HasSubstr("not a PNG, OpenEXR or NPY"));
+  EXPECT_THAT(errorOf([&] { readImage(at("x.png")); }, ExitCode::BadInput), HasSubstr("not a PNG, OpenEXR or NPY"));
   writeFile(at("x.png"), {});
-  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { readImage(at("x.png")); }), HasSubstr("x.png"));
-  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { readImage(at("missing.png")); }), HasSubstr("missing.png"));
+  EXPECT_THAT(errorOf([&] { readImage(at("x.png")); }, ExitCode::BadInput), HasSubstr("x.png"));
+  EXPECT_THAT(errorOf([&] { readImage(at("missing.png")); }, ExitCode::BadInput), HasSubstr("missing.png"));
 }
 
 std::vector<std::byte> goodFile(Format format) {

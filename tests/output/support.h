@@ -14,22 +14,11 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "error_of.h"
 #include "output/files.h"
 #include "output/read.h"
 
 namespace latelight::output {
-
-// Returns the message of the Error that `call` throws, after checking its code.
-inline std::string sentence(ExitCode code, const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return "";
-}
 
 class InFolder : public testing::Test {
  protected:

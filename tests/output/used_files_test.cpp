@@ -20,7 +20,7 @@ class Used : public InFolder {
     UsedFiles(inputs).checkOutputs(outputs);
   }
   std::string refusal(std::vector<fs::path> inputs, std::vector<fs::path> outputs) const {
-    return sentence(ExitCode::Usage, [&] { check(inputs, outputs); });
+    return errorOf([&] { check(inputs, outputs); });
   }
 };
 

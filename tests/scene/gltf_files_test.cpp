@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "error_of.h"
 #include "gltf_builder.h"
 #include "models/models.h"
 #include "scene/gltf/load.h"
@@ -16,14 +17,9 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 std::string errorOfFile(const fs::path& path) {
-  try {
-    loadGltf(path, {});
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::BadInput) << error.what();
-    EXPECT_THAT(error.what(), HasSubstr(path.filename().string()));
-    return error.what();
-  }
-  return {};
+  std::string message = errorOf([&] { loadGltf(path, {}); }, ExitCode::BadInput);
+  EXPECT_THAT(message, HasSubstr(path.filename().string()));
+  return message;
 }
 
 std::string errorOfBytes(std::span<const std::byte> bytes, const char* name = "scene.glb") {

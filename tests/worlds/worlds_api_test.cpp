@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "error_of.h"
 #include "placed.h"
 #include "test_device.h"
 #include "worlds/same_frames.h"
@@ -38,16 +39,6 @@ struct Squares {
 
 Options small() {
   return test::tinyOptions({"depth", "id"});
-}
-
-std::string refusal(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::Usage);
-    return error.what();
-  }
-  return "nothing was refused";
 }
 
 TEST(WorldsApi, MoveAndRemoveInstances) {
@@ -253,7 +244,7 @@ TEST(WorldsApi, RejectRaysThatTheyDoNotSupport) {
     worlds.cameras = {test::frontCamera()};
     Options options = small();
     change(worlds, options);
-    return refusal([&] { renderer.render(worlds, options); });
+    return errorOf([&] { renderer.render(worlds, options); });
   };
   EXPECT_THAT(refused([](Worlds&, Options& o) { o.ground = "shadow"; }), HasSubstr("requires --ground-height"));
 }
@@ -265,7 +256,7 @@ TEST(WorldsApi, RejectWrongLists) {
     Worlds worlds{.count = 2, .instances = {made.red}};
     worlds.cameras = {test::frontCamera()};
     change(worlds);
-    return refusal([&] { renderer.render(worlds, small()); });
+    return errorOf([&] { renderer.render(worlds, small()); });
   };
   EXPECT_THAT(refused([](Worlds& w) { w.count = 0; }), HasSubstr("Worlds::count must be at least 1"));
   EXPECT_THAT(refused([](Worlds& w) { w.cameras.clear(); }), HasSubstr("at least one camera"));
