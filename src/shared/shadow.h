@@ -37,7 +37,7 @@ SH_CONST float kShadowFarthest = 65534.0f / 65535.0f;
 // faces adjacent to the triangle.
 //
 // The receiver bias moves the receiving point toward the light according to its own plane, up to slope kShadowSlope.
-// The remainder moves the point along its normal (normal offset: Holbein 2011, Saying "Goodbye" to Shadow Acne, GDC),
+// The remainder moves the point along its normal (normal offset: Holbert 2011, Saying "Goodbye" to Shadow Acne, GDC),
 // which is bounded where a slope is not. The normal is the shading normal, which every layout stores.
 
 SH_CONST float kShadowCasterSlope = 1.0f;
