@@ -38,6 +38,43 @@ TEST(FormatsOfABatch, BoxesAloneHaveObjects) {
   EXPECT_THAT(filesOf(folder, "set")["boxes/000000.json"], HasSubstr(R"("node":"/boxes/plastic")"));
 }
 
+// The formats coco and transforms share the image, and transforms and depth-png share the depth.
+TEST(FormatsOfABatch, SharedFilesAreRecordedOnce) {
+  Folder folder;
+  const app::Command command = batch(folder, {"--scenes", "builtin:boxes", "--formats", "coco", "--formats",
+                                              "depth-png", "--formats", "transforms", "-o", "set"});
+  ASSERT_EQ(latelight(command).code, 0);
+  const auto before = filesOf(folder, "set");
+  auto manifest = nlohmann::ordered_json::parse(before.at("manifest.json"));
+  auto& files = manifest["frames"][0]["files"];
+  std::vector<std::string> names;
+  for (const auto& file : files) names.push_back(file["file"]);
+  EXPECT_THAT(names, testing::UnorderedElementsAre("images/000000.png", "depth/000000.png"));
+
+  // Manifests of earlier versions have a record per format.
+  for (auto* records : {&files, &manifest["files"]})
+    for (const nlohmann::ordered_json copy = *records; const auto& file : copy) records->push_back(file);
+  folder.write("set/manifest.json", manifest.dump());
+  const auto verify = [&] { return latelight({.arguments = {"batch", "verify", "set"}, .folder = folder.path()}); };
+  EXPECT_EQ(verify().code, 0);
+  folder.write("set/images/000000.png", "damaged");
+  folder.write("set/transforms.json", "damaged");
+  const Outcome damaged = verify();
+  EXPECT_EQ(damaged.code, 3);
+  EXPECT_THAT(damaged.err, HasSubstr("2 files of 'set' differ from what was written"));
+  for (const char* name : {"images/000000.png", "transforms.json"}) {
+    const size_t at = damaged.err.find(name);
+    ASSERT_NE(at, std::string::npos) << damaged.err;
+    EXPECT_EQ(damaged.err.find(name, at + 1), std::string::npos) << damaged.err;
+  }
+
+  folder.write("set/images/000000.png", before.at("images/000000.png"));
+  app::Command resume = command;
+  resume.arguments.emplace_back("--resume");
+  ASSERT_EQ(latelight(resume).code, 0);
+  expectSame(filesOf(folder, "set"), before);
+}
+
 TEST(FormatsOfABatch, WhatHoldsCamerasIsReadAgainAsTheSameViews) {
   Folder folder;
   const char* orbit = R"({"type": "orbit", "count": 3, "distance": 4})";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <unordered_set>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -70,6 +71,9 @@ FinishedFrame finishedFrame(Json&& json) {
   if (json.contains("motion")) frame.motion = std::move(json["motion"]);
   for (const Json& file : json.at("files")) frame.files.push_back(fileRecord(file));
   for (const Json& archive : json.value("archives", Json::array())) frame.archives.push_back(fileRecord(archive));
+  // Sets of earlier versions have a record per format of a shared file.
+  removeRepeated(frame.files);
+  removeRepeated(frame.archives);
   frame.entries = std::move(json.at("entries").get_ref<Json::array_t&>());
   return frame;
 }
@@ -100,6 +104,11 @@ FileRecord recordOf(const std::filesystem::path& folder, const std::string& name
   return {name, bytes.size(), hash64(bytes.data(), bytes.size())};
 }
 
+void removeRepeated(std::vector<FileRecord>& files) {
+  std::unordered_set<std::string> names;
+  std::erase_if(files, [&](const FileRecord& file) { return !names.insert(file.name).second; });
+}
+
 Manifest readManifest(const std::filesystem::path& path) {
   const std::vector<std::byte> bytes = readFile(path);
   Manifest manifest;
@@ -111,6 +120,7 @@ Manifest readManifest(const std::filesystem::path& path) {
       manifest.frames[read.index] = std::move(read);
     }
     for (const Json& file : json.at("files")) manifest.setFiles.push_back(fileRecord(file));
+    removeRepeated(manifest.setFiles);
     for (const Json& failure : json.value("failed", Json::array())) manifest.failed.insert(failedFrame(failure));
     manifest.stale = json.value("stale", std::set<std::string>());
   } catch (const Json::exception& error) {

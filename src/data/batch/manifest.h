@@ -22,6 +22,8 @@ nlohmann::ordered_json describe(const FileRecord& file);
 FileRecord fileRecord(const nlohmann::ordered_json& json);
 // Returns the record of a file in its present state. Throws Error(BadInput) if the file cannot be read.
 FileRecord recordOf(const std::filesystem::path& folder, const std::string& name);
+// Keeps only the first record of each file, in their order: formats may share a file, and each of them names it.
+void removeRepeated(std::vector<FileRecord>& files);
 
 // A finished frame.
 struct FinishedFrame {

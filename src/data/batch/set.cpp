@@ -249,6 +249,8 @@ std::vector<std::string> writeSetFiles(const SetFolder& set, Manifest& manifest)
         packedFiles.push_back(*std::move(file));
     }
   }
+  removeRepeated(manifest.setFiles);
+  for (auto& [index, frame] : manifest.frames) removeRepeated(frame.archives);
   return packedFiles;
 }
 

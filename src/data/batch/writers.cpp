@@ -1,6 +1,7 @@
 #include "data/batch/writers.h"
 
 #include <system_error>
+#include <unordered_set>
 
 #include "base/error.h"
 #include "base/fatal_signals.h"
@@ -84,9 +85,11 @@ void Writers::write(RenderedFrame rendered) {
     for (const JobFormat& use : job_.formats) {
       FrameRecord written = use.format->writeFrame(rendered.frame, job_.folder);
       files.insert(files.end(), written.files.begin(), written.files.end());
-      for (const std::string& file : written.files) record.files.push_back(recordOf(job_.folder, file));
       record.entries.push_back(std::move(written.entry));
     }
+    std::unordered_set<std::string> recorded;  // formats may share files
+    for (const std::string& file : files)
+      if (recorded.insert(file).second) record.files.push_back(recordOf(job_.folder, file));
     log_.finished(record);
   } catch (const std::exception& error) {
     removeFiles(job_.folder, files);  // a frame is either finished or absent
