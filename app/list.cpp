@@ -154,8 +154,17 @@ Json listAovs() {
   for (const output::AovInfo& aov : output::aovs()) {
     std::string channels;
     for (uint32_t i = 0; i < aov.channels; ++i) channels += (i ? " " : "") + std::string(aov.exrChannels[i]);
-    rows.push_back(
-        {{"name", aov.name}, {"description", aov.description}, {"unit", aov.unit}, {"exrChannels", channels}});
+    // Pixels of the environment have a motion that depends on the camera.
+    const std::string background = aov.aov == output::Aov::Motion ? "motion of the environment"
+                                   : std::isinf(aov.background)   ? "+inf"
+                                                                  : fmt::format("{:g}", aov.background);
+    rows.push_back({{"name", aov.name},
+                    {"description", aov.description},
+                    {"unit", aov.unit},
+                    {"exrChannels", channels},
+                    {"exrType", output::nameOf(aov.exr)},
+                    {"background", background},
+                    {"png", output::describe(aov.png)}});
   }
   return rows;
 }

@@ -53,6 +53,42 @@ std::string ownNames(const AovInfo& aov, uint32_t channel) {
   return std::string(aov.exrChannels[channel]);
 }
 
+std::string_view nameOf(ExrType type) {
+  switch (type) {
+    case ExrType::Half:
+      return "half";
+    case ExrType::Float:
+      return "float";
+    case ExrType::Uint:
+      return "uint";
+  }
+  return "";
+}
+
+std::string_view describe(PngCoding coding) {
+  switch (coding) {
+    case PngCoding::None:
+      return "not supported";
+    case PngCoding::Display:
+      return "8-bit RGBA, tone-mapped, sRGB, straight alpha";
+    case PngCoding::Srgb:
+      return "8-bit RGB, clamped to [0, 1], sRGB";
+    case PngCoding::Unit:
+      return "16-bit, value * 65535; values are clamped to [0, 1]";
+    case PngCoding::Signed:
+      return "16-bit, (value * 0.5 + 0.5) * 65535; background is 0 0 0";
+    case PngCoding::Millimetre:
+      return "16-bit, millimeters; 0 is background, 65535 is that far or farther";
+    case PngCoding::Fraction:
+      return "16-bit, fractional parts of u and v * 65535; blue is 0";
+    case PngCoding::Count:
+      return "16-bit; 65535 is that many or more";
+    case PngCoding::IdBytes:
+      return "8-bit RGBA, bytes of the integer: R + 256 G + 65536 B + 16777216 A";
+  }
+  return "";
+}
+
 bool contains(std::span<const Aov> aovs, Aov aov) {
   return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
 }

@@ -52,6 +52,10 @@ struct AovInfo {
 std::span<const AovInfo> aovs();
 const AovInfo& info(Aov aov);
 
+std::string_view nameOf(ExrType type);  // "half", "float" or "uint"
+// Returns one line that states what the numbers of a PNG file mean.
+std::string_view describe(PngCoding coding);
+
 // Returns the name of an output's channel in an OpenEXR file.
 using ChannelNames = std::string (*)(const AovInfo& aov, uint32_t channel);
 std::string ownNames(const AovInfo& aov, uint32_t channel);  // exrChannels

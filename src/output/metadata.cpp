@@ -52,30 +52,6 @@ Json cameraOf(const CameraMetadata& camera) {
   return json;
 }
 
-std::string_view pngText(PngCoding coding) {
-  switch (coding) {
-    case PngCoding::None:
-      return "not offered";
-    case PngCoding::Display:
-      return "8 bit RGBA, tonemapped, sRGB, straight alpha";
-    case PngCoding::Srgb:
-      return "8 bit RGB, clamped to [0, 1], sRGB";
-    case PngCoding::Unit:
-      return "16 bit, value * 65535";
-    case PngCoding::Signed:
-      return "16 bit, (value * 0.5 + 0.5) * 65535; background is 0 0 0";
-    case PngCoding::Millimetre:
-      return "16 bit, millimeters; 0 is background, 65535 is that far or farther";
-    case PngCoding::Fraction:
-      return "16 bit, the parts of u and v after the point * 65535; blue is 0";
-    case PngCoding::Count:
-      return "16 bit; 65535 is that many or more";
-    case PngCoding::IdBytes:
-      return "8 bit RGBA, the id's bytes: R + 256 G + 65536 B + 16777216 A";
-  }
-  return "";
-}
-
 Json aovOf(const AovInfo& aov, const Metadata& metadata, ChannelNames names) {
   Json json{{"description", aov.description}, {"unit", aov.unit}};
   Json channels = Json::array();
@@ -86,7 +62,7 @@ Json aovOf(const AovInfo& aov, const Metadata& metadata, ChannelNames names) {
   if (is({Aov::Position, Aov::SceneFlow})) json["frame"] = "world";
   if (is({Aov::ObjectPosition, Aov::Nocs})) json["frame"] = "object";
   if (is({Aov::Normal, Aov::GeoNormal, Aov::Tangent, Aov::Bitangent})) json["frame"] = metadata.normalFrame;
-  json["png"] = pngText(aov.png);
+  json["png"] = describe(aov.png);
   if (dependsOnNeighbors(aov.aov) && metadata.neighbors) json["frames"] = describe(*metadata.neighbors);
   return json;
 }
