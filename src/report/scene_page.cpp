@@ -43,7 +43,7 @@ class ScenePage {
     page_.sections.push_back({"compare", "Compare", std::string(webFile("compare.html"))});
     page_.sections.push_back({"layouts", "G-buffer layouts", layouts()});
     page_.sections.push_back({"lighting", "Lighting techniques", lighting()});
-    page_.sections.push_back({"times", "Times of passes", timesHtml(s_)});
+    page_.sections.push_back({"times", "Pass times", timesHtml(s_)});
     page_.sections.push_back({"normals", "Normal encodings", normals()});
     page_.data["width"] = s_.settings.width;
     page_.data["height"] = s_.settings.height;
@@ -60,14 +60,18 @@ class ScenePage {
     const Words choice{"--raster", render::nameOf(raster), "--layout", layout.name, "--lighting", technique.name};
     return joined(joined(joined({"render"}, optionsFor(s_, layout)), choice), more);
   }
+  static std::string counted(size_t count, std::string_view noun) {
+    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+  }
   std::string sizeText() const { return fmt::format("{}x{}", s_.settings.width, s_.settings.height); }
 
   std::string introduction() const {
     const vk::DeviceInfo& info = s_.device.info();
     return fmt::format(
-               "<p>{} triangles and {} lights, {}, on {} ({}). The command that produces a number or "
+               "<p>{} and {}, {}, on {} ({}). The command that produces a number or "
                "image is next to it. This page was created by:</p>\n",
-               s_.scene.triangleCount(), s_.scene.lights.size(), sizeText(), escaped(info.name), escaped(info.driver)) +
+               counted(s_.scene.triangleCount(), "triangle"), counted(s_.scene.lights.size(), "light"), sizeText(),
+               escaped(info.name), escaped(info.driver)) +
            "<p class=\"command\"><code>" + escaped(s_.command) + "</code></p>\n";
   }
 

@@ -6,6 +6,7 @@ import os
 import re
 import shlex
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -94,6 +95,18 @@ def test_pictures_have_the_bytes_of_render(opened, folder):
         for x, y in PIXELS:
             (text,) = values_at(opened, "left", x, y).values()
             assert [int(byte) for byte in text.split()] == list(picture[y, x])
+
+
+def test_parts_are_those_of_the_manual(opened):
+    manual = (Path(__file__).resolve().parents[2] / "docs" / "report.md").read_text()
+    (table,) = re.findall(r"^\| part \|.*\n\|---.*\n((?:\|.*\n)+)", manual, re.MULTILINE)
+    parts = [row.split("|")[1].strip() for row in table.splitlines()]
+    assert opened.locator("section h2").all_text_contents() == [part for part in parts if part]
+
+
+def test_introduction_counts_in_words(opened):
+    # Eight boxes of twelve triangles, and a sun.
+    assert "96 triangles and 1 light, 96x54," in opened.locator("body").inner_text()
 
 
 def test_what_is_typed_stays_while_a_picture_arrives(opened):
