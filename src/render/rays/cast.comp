@@ -4,8 +4,8 @@
 // floats, in the frame of the caller; they are converted to pairs of floats in the device's world space here, so the
 // host only copies them. Rays that begin far outside the scene are traced from a point near it: along a direction of
 // floats, they would pass the surface at a distance that grows with that of the origin. The hit's distance is computed
-// again in double-float arithmetic, from the ray's exact direction and the triangle's exact plane, so that it is
-// precise on large triangles and at grazing angles.
+// again in double precision, from the ray's exact direction and the triangle's exact plane, so that it is precise on
+// large triangles and at grazing angles.
 #define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/glsl/ray_point.glsl"
@@ -26,29 +26,24 @@ dvec3 doublesAt(uint64_t array, uint index) {
   return dvec3(all.v[3u * index], all.v[3u * index + 1u], all.v[3u * index + 2u]);
 }
 
-Exact3 exactCorner(Instance instance, Exact3 offset, vec3 position) {
-  return add(transformed(mat3(instance.objectToWorld), exact(position)), offset);
-}
-
-float exactDistance(FrameConstants frame, Ray ray, vec3 directionLow, RayHit hit) {
+// Returns the distance from the ray's origin at which the ray `along` meets the plane of the triangle.
+double exactDistance(FrameConstants frame, Ray ray, dvec3 along, RayHit hit) {
   Instance instance = frameInstance(frame, hit.instance);
   uint64_t positions = meshPositions(frame, instance.mesh);
-  Exact3 offset = add(exactSum(instance.objectToWorld[3], -ray.origin),
-                      exactSum(instance.translationLow, -ray.originLow));
-  Exact3 a = exactCorner(instance, offset, positionAt(positions, hit.corners.x));
-  Exact3 ab = subtract(exactCorner(instance, offset, positionAt(positions, hit.corners.y)), a);
-  Exact3 ac = subtract(exactCorner(instance, offset, positionAt(positions, hit.corners.z)), a);
-  // Scaled, so that the products stay within the range of floats.
-  float scale = 1.0 / max(max(length(ab.hi), length(ac.hi)), 1e-37);
-  Exact3 normal = crossOf(multiply(ab, exact(vec3(scale))), multiply(ac, exact(vec3(scale))));
-  float across = rounded(dotOf(normal, Exact3(ray.direction, directionLow))).x;
-  float distance = rounded(dotOf(normal, a)).x / across;
+  dmat3 axes = dmat3(mat3(instance.objectToWorld));
+  dvec3 offset = (dvec3(instance.objectToWorld[3]) - dvec3(ray.origin)) +
+                 (dvec3(instance.translationLow) - dvec3(ray.originLow));
+  dvec3 a = axes * dvec3(positionAt(positions, hit.corners.x)) + offset;
+  dvec3 b = axes * dvec3(positionAt(positions, hit.corners.y)) + offset;
+  dvec3 c = axes * dvec3(positionAt(positions, hit.corners.z)) + offset;
+  dvec3 normal = cross(b - a, c - a);
+  double across = dot(normal, along), distance = dot(normal, a) / across;
   // The plane of a sliver may be almost arbitrary, but a point of the triangle lies between its corners.
-  vec3 along = vec3(dot(a.hi, ray.direction), dot(ab.hi, ray.direction), dot(ac.hi, ray.direction));
-  along.yz += along.x;
-  float slack = 1e-6 * max(length(a.hi), max(length(a.hi + ab.hi), length(a.hi + ac.hi)));
-  float nearest = min(along.x, min(along.y, along.z)) - slack, farthest = max(along.x, max(along.y, along.z)) + slack;
-  return across != 0.0 ? clamp(distance, nearest, farthest) : hit.distance;
+  dvec3 places = dvec3(dot(a, along), dot(b, along), dot(c, along));
+  double slack = 1e-6lf * max(length(a), max(length(b), length(c)));
+  double nearest = min(places.x, min(places.y, places.z)) - slack;
+  double farthest = max(places.x, max(places.y, places.z)) + slack;
+  return across != 0.0lf ? clamp(distance, nearest, farthest) : double(hit.distance);
 }
 
 // Returns the power that a Lambertian surface of the same reflectance sends back along the ray, relative to a white one
@@ -112,13 +107,13 @@ double emptyDistance(FrameConstants frame, dvec3 origin) {
 
 // Stores what the ray hits, in the frame of the rays. `skipped`: the distance from `origin` to that of `ray`. The
 // position follows from the ray in double precision, so it is as precise as the distance.
-void storeHit(FrameConstants frame, uint index, Ray ray, vec3 directionLow, RayHit hit, dvec3 origin, dvec3 unit,
+void storeHit(FrameConstants frame, uint index, Ray ray, dvec3 along, RayHit hit, dvec3 origin, dvec3 unit,
               double skipped) {
   SurfacePoint p = rayPoint(frame, ray, hit);
   uint material = frameInstance(frame, hit.instance).material;
   fetchTexels(frame, material, p, ~0u);
   Surface s = evaluateMaterial(frame, frameMaterial(frame, material), p);
-  double distance = skipped + double(max(exactDistance(frame, ray, directionLow, hit), 0.0));
+  double distance = skipped + max(exactDistance(frame, ray, along, hit), 0.0lf);
   precise dvec3 position = (origin - doublesAt(push.numbers, 1u)) + unit * distance;
   store(push.distance, index, float(distance));
   store(push.position, index, vec3(position));
@@ -164,6 +159,6 @@ void main() {
   float far = float(min(DoublesRef(push.numbers).v[6] - skipped, kLargest));
   Ray ray = Ray(vec3(start), remainderOf(start), vec3(along), valid ? 0.0 : 1.0, valid ? far : 0.0);
   RayHit hit = traceRay(frame, ray, push.flags & kRayAnySurface);
-  if (isHit(hit)) storeHit(frame, index, ray, remainderOf(along), hit, origin, unit, skipped);
+  if (isHit(hit)) storeHit(frame, index, ray, along, hit, origin, unit, skipped);
   else storeMiss(index);
 }
