@@ -262,9 +262,10 @@ void verify(const BatchArguments& a) {
     }
     if (lacksMerge(status)) addQuoted(unmerged, folder);
   }
-  if (count > 0)
-    fail(ExitCode::BadInput, "{} files of {} differ from what was written: remove them, and run the job with --resume",
-         count, damaged);
+  if (count == 1)
+    badInput("1 file of {} differs from what was written: remove it, and run the job with --resume", damaged);
+  if (count > 1)
+    badInput("{} files of {} differ from what was written: remove them, and run the job with --resume", count, damaged);
   if (!unmerged.empty()) failUnmerged(unmerged);
 }
 

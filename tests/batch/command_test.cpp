@@ -151,7 +151,7 @@ TEST(BatchCommand, StatusAndVerifyTreatEveryFolder) {
   folder.write("b/000000.png", "damaged");
   const Outcome damaged = run({"verify", "a", "b", "[a,b]"});
   EXPECT_EQ(damaged.code, 3);
-  EXPECT_THAT(damaged.err, HasSubstr("1 files of 'b' differ from what was written"));
+  EXPECT_THAT(damaged.err, HasSubstr("1 file of 'b' differs from what was written"));
   EXPECT_THAT(damaged.out, HasSubstr("[a,b]: the files of 1 frames")) << "folders after a damaged one are checked";
   EXPECT_EQ(run({"verify", "a", "missing"}).code, 3);
   EXPECT_EQ(run({"status", "a", "missing"}).code, 3);
