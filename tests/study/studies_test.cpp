@@ -125,10 +125,11 @@ const Result& depths() {
 
 TEST(DepthStudy, ExactPackingLosesNothingAndTheClassicLosesOne) {
   const Table& table = tableOf(depths(), "depth-packing");
-  for (const char* column : {"max", "device max"}) {
+  for (const std::string column : {"max", "device max"}) {
     EXPECT_EQ(value(table, {"rgba8"}, column), 0.0);
     EXPECT_EQ(value(table, {"d32"}, column), 0.0);
-    EXPECT_NEAR(value(table, {"rgba8-classic"}, column), 1.2e-7, 0.05e-7);
+    // Two steps of floats below 1, or one on devices that round the decoding in another way, such as Mesa 26.
+    EXPECT_NEAR(value(table, {"rgba8-classic"}, column), 1.2e-7, column == "max" ? 0.05e-7 : 0.65e-7);
     // half a step, plus the rounding of the stored float
     EXPECT_NEAR(value(table, {"d16"}, column), 0.5 / 65535, 0x1p-24);
     EXPECT_NEAR(value(table, {"d24"}, column), 0.5 / 16777215, 1e-9);
