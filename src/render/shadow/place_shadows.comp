@@ -423,13 +423,16 @@ void placeLocal(PlacedShadowJob job, uint index, uint number, Caster caster, Vie
   double range = depths.y - depths.x;
   vec4 within = vec4(light.position, min(light.radius, kEverywhere));
   for (uint size = 0u; size < job.sizes; ++size) {
-    PlacedMaps group = GroupsRef(job.groups).v[1u + size];
+    // lavapipe executes the bodies once more after the last size and face, and with Mesa 26, it also loads then.
+    uint known = min(size, job.sizes - 1u);
+    PlacedMaps group = GroupsRef(job.groups).v[1u + known];
     uint first = group.first + index * job.localMaps + light.firstMap;
     if (emits && size == chosen)
       TableOut(job.table).v[index * (job.sunCount + job.localCount) + caster.column] =
           LightShadow(first, used ? light.maps : 0u, 0u);
     for (uint face = 0u; face < light.maps; ++face) {
-      MapTemplate t = TemplatesRef(job.faces).v[size * job.localMaps + light.firstMap + face];
+      uint map = min(light.firstMap + face, job.localMaps - 1u);
+      MapTemplate t = TemplatesRef(job.faces).v[known * job.localMaps + map];
       if (job.casters != 0ul) {
         Axes axes = axesAlong(light.maps == 1u ? unit(dvec3(caster.direction)) : cubeAxis(face));
         t = placedMap(t, axes, dvec3(light.position), DoublesRef(job.tangents).v[number], group.size);
