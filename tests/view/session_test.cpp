@@ -292,6 +292,12 @@ TEST(ViewSessionTest, AStartThatHasNoPictureFails) {
 
 // --- cameras --------------------------------------------------------------------------------------------------------
 
+void click(Viewer& viewer, double x, double y) {
+  viewer(PointerMove{x, y});
+  viewer(PointerButton{Button::Left, true});
+  viewer(PointerButton{Button::Left, false});
+}
+
 void drag(Viewer& viewer, Button button, double x, double y, bool shift = false) {
   viewer(PointerMove{40, 30});
   viewer(PointerButton{button, true, shift});
@@ -542,9 +548,7 @@ TEST(ViewSessionTest, ValuesUnderThePointerAreThoseOfPick) {
 TEST(ViewSessionTest, AClickSelectsAndIsOutlined) {
   Viewer viewer(small());
   const SessionFrame before = viewer.settle();
-  viewer(PointerMove{30, 40});
-  viewer(PointerButton{Button::Left, true});
-  viewer(PointerButton{Button::Left, false});
+  click(viewer, 30, 40);
   ASSERT_TRUE(viewer.state().selected);
   const SessionFrame outlined = viewer.settle();
   EXPECT_FALSE(outlined.rgba == before.rgba);
@@ -560,9 +564,7 @@ TEST(ViewSessionTest, AClickSelectsAndIsOutlined) {
 TEST(ViewSessionTest, ASelectionEndsWithItsScene) {
   Viewer viewer(small());
   const SessionFrame before = viewer.settle();
-  viewer(PointerMove{30, 40});
-  viewer(PointerButton{Button::Left, true});
-  viewer(PointerButton{Button::Left, false});
+  click(viewer, 30, 40);
   ASSERT_TRUE(viewer.state().selected);
   viewer(Reload{});
   EXPECT_FALSE(viewer.state().selected);
