@@ -21,7 +21,7 @@ vec3 givenPosition(VertexJob job, WorldNumbers given, uint world, uint vertex) {
 }
 
 dvec3 edge(vec3 from, vec3 to) {
-  precise dvec3 d = dvec3(to) - dvec3(from);
+  precise dvec3 d = widened(to) - widened(from);
   return d;
 }
 
@@ -62,7 +62,7 @@ VertexAttributes movedAttributes(VertexJob job, uint world, uint vertex) {
     tangent = addedAlong(tangent, b, fan.alongB, c, fan.alongC);
   }
   attributes.normal = unitOr(normal, attributes.normal);
-  dvec3 n = dvec3(attributes.normal);
+  dvec3 n = widened(attributes.normal);
   tangent = withoutPart(tangent, n, dotOf(n, tangent));
   attributes.tangent.xyz = unitOr(tangent, attributes.tangent.xyz);
   return attributes;

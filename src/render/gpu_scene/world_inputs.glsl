@@ -3,6 +3,7 @@
 #ifndef LATELIGHT_WORLD_INPUTS_GLSL
 #define LATELIGHT_WORLD_INPUTS_GLSL
 #include "render/glsl/common.glsl"
+#include "render/glsl/float_rounding.glsl"
 #include "render/gpu_scene/world_inputs_push.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer DoublesRef { double v[]; };

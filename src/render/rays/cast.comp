@@ -8,6 +8,7 @@
 // large triangles and at grazing angles.
 #define LOADS_TEXELS
 #include "render/glsl/common.glsl"
+#include "render/glsl/float_rounding.glsl"
 #include "render/glsl/ray_point.glsl"
 #include "render/glsl/surface.glsl"
 #include "render/rays/cast_push.h"
@@ -31,7 +32,7 @@ double exactDistance(FrameConstants frame, Ray ray, dvec3 along, RayHit hit) {
   Instance instance = frameInstance(frame, hit.instance);
   uint64_t positions = meshPositions(frame, instance.mesh);
   dmat3 axes = dmat3(mat3(instance.objectToWorld));
-  dvec3 offset = (dvec3(instance.objectToWorld[3]) - dvec3(ray.origin)) +
+  dvec3 offset = (dvec3(instance.objectToWorld[3]) - widened(ray.origin)) +
                  (dvec3(instance.translationLow) - dvec3(ray.originLow));
   dvec3 a = axes * dvec3(positionAt(positions, hit.corners.x)) + offset;
   dvec3 b = axes * dvec3(positionAt(positions, hit.corners.y)) + offset;
@@ -79,7 +80,7 @@ dvec3 unitOf(dvec3 direction) {
   return unit;
 }
 
-vec3 remainderOf(dvec3 v) { return vec3(v - dvec3(vec3(v))); }
+vec3 remainderOf(dvec3 v) { return vec3(v - roundedToFloat(v)); }
 
 void store(uint64_t array, uint index, float value) {
   if (array != 0ul) FloatsOutRef(array).v[index] = value;

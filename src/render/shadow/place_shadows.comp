@@ -7,6 +7,7 @@
 // fitCascades(), chooseShadowCasters() and planShadows(), where the method is described. Floats are divided as doubles,
 // because devices may round divisions of floats otherwise.
 #include "render/glsl/common.glsl"
+#include "render/glsl/float_rounding.glsl"
 #include "render/gpu_scene/light_template_push.h"
 #include "render/shadow/page_push.h"
 #include "render/shadow/place_shadows_push.h"
@@ -62,7 +63,7 @@ dvec3 sumOf(dvec3 a, dvec3 b) {
   return sum;
 }
 
-float quotient(float a, float b) { return float(double(a) / double(b)); }
+float quotient(float a, float b) { return float(widened(a) / widened(b)); }
 
 double dotOf(dvec3 a, dvec3 b) {
   precise double sum = a.x * b.x + a.y * b.y + a.z * b.z;
@@ -144,7 +145,7 @@ Sphere around(View view, double near, double far) {
 // Returns the number of cascades.
 uint fitCascades(PlacedShadowJob job, View view, uint camera, Bounds bounds, out Sphere spheres[kMaxCascades]) {
   Sphere scene = sphereOf(bounds);
-  double center = double(depthOf(view.worldToView, scene.center)), radius = double(scene.radius);
+  double center = double(depthOf(view.worldToView, scene.center)), radius = widened(scene.radius);
   DoublesRef numbers = DoublesRef(job.numbers);
   double near = numbers.v[kMaxCascades + 2u * camera], far = numbers.v[kMaxCascades + 2u * camera + 1u];
   double from = view.projection.kind == kOrthographic ? near : 0.0lf;
@@ -241,9 +242,9 @@ MapFrame frameOfCascade(Axes axes, Sphere sphere, Bounds bounds, uint size) {
     high = max(high, depth);
   }
   const double kMarginTexels = 8.0lf;  // on both sides
-  double halfWidth = double(sphere.radius) * double(size) / (double(size) - kMarginTexels);
+  double halfWidth = widened(sphere.radius) * double(size) / (double(size) - kMarginTexels);
   double texel = 2.0lf * halfWidth / double(size);
-  dvec3 center = dvec3(sphere.center);
+  dvec3 center = widened(sphere.center);
   double margin = times(1e-3lf, high - low) + 1e-6lf;
   return MapFrame(halfWidth, snapped(dotOf(axes.right, center), texel), snapped(dotOf(axes.up, center), texel),
                   low - margin, high + margin);
@@ -368,9 +369,9 @@ bool touches(View view, Sphere sphere) {
 // Returns the index of the size of a light's maps in a view, as sizeOf() of the host. Sizes are rounded by ratio.
 uint sizeOf(PlacedShadowJob job, LocalCaster light, View view, Bounds bounds) {
   dvec3 extent = bounds.high - bounds.low;
-  double reach = double(min(light.radius, float(2.0lf * (sqrt(dotOf(extent, extent)) * 0.5lf))));
+  double reach = widened(min(light.radius, float(2.0lf * (sqrt(dotOf(extent, extent)) * 0.5lf))));
   precise vec3 offset = light.position - view.eye;
-  double distance = max(double(lengthOf(offset)), 0.5lf * reach);
+  double distance = max(widened(lengthOf(offset)), 0.5lf * reach);
   double pixels = times(times(reach, double(view.projection.V)), double(view.size.y));
   if (view.projection.kind == kPerspective) pixels = pixels / distance;
   if (light.maps == 6u) pixels = 0.5lf * pixels;
@@ -441,7 +442,7 @@ void placeLocal(PlacedShadowJob job, uint index, uint number, Caster caster, Vie
       t.view.projection.B = float(-0.5lf * depths.x / range);
       t.map.depthScale = float(1.0lf / range);
       t.map.depthOffset = float(-depths.x / range);
-      float unit = float(times(double(times(t.map.texel, t.map.depthScale)), depths.y));
+      float unit = float(times(widened(times(t.map.texel, t.map.depthScale)), depths.y));
       writeMap(job, group, index, first + face, t.view, t.map, unit, depthsOf(t.view.projection).y);
       writePages(job, group, first + face, within, used && size == chosen);
     }

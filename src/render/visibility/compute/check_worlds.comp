@@ -84,7 +84,7 @@ uint checkedLight(WorldJob job, uint index) {
   if (job.lightDirection.address == 0ul) return bits;
   if (!areFinite(job.lightDirection, index, 3u)) return bits | kWorldNotFinite;
   dvec3 direction;
-  for (uint i = 0u; i < 3u; ++i) direction[i] = double(float(numberAt(job.lightDirection, 3u * index + i)));
+  for (uint i = 0u; i < 3u; ++i) direction[i] = roundedToFloat(numberAt(job.lightDirection, 3u * index + i));
   bool wrong = dotOf(direction, direction) == 0.0lf && usesDirection(job, index % job.listedLights);
   return wrong ? bits | kWorldWrongDirection : bits;
 }

@@ -20,7 +20,7 @@ Instance placed(WorldJob job, Instance record, dmat4 toWorld, vec3 vertexOrigin)
   dvec3 moved = transformed(toWorld, dvec3(vertexOrigin)).xyz;
   dvec3 translation = difference(moved, columnsAt(job.matrices, kDeviceOrigin)[0].xyz);
   record.objectToWorld = mat4x3(vec3(toWorld[0].xyz), vec3(toWorld[1].xyz), vec3(toWorld[2].xyz), vec3(translation));
-  record.translationLow = vec3(difference(translation, dvec3(record.objectToWorld[3])));
+  record.translationLow = vec3(difference(translation, widened(record.objectToWorld[3])));
   return record;
 }
 

@@ -50,10 +50,11 @@ vec3 scaled(vec3 color, float intensity) {
 
 // The direction in the renderer's world, as unitDirection() of the host.
 vec3 worldDirection(WorldJob job, vec3 given) {
-  double lengthOf = sqrt(dotOf(dvec3(given), dvec3(given)));
-  precise dvec3 unit = dvec3(given) / lengthOf;
+  dvec3 direction = widened(given);
+  double lengthOf = sqrt(dotOf(direction, direction));
+  precise dvec3 unit = direction / lengthOf;
   dmat4 m = columnsAt(job.matrices, kWorldFromFile);
-  dvec3 v = dvec3(vec3(unit));
+  dvec3 v = roundedToFloat(unit);
   precise dvec3 turned = m[0].xyz * v.x + m[1].xyz * v.y + m[2].xyz * v.z;
   return vec3(turned);
 }
@@ -140,7 +141,7 @@ LightBox boxOf(Light light) {
     double outer = clamp(-double(light.spotOffset) / double(light.spotScale), -1.0lf, 1.0lf);
     double outerSine = sqrt(1.0lf - outer * outer);
     for (uint i = 0u; i < 6u; ++i) {
-      double axis = clamp(double(i < 3u ? light.direction[i] : -light.direction[i - 3u]), -1.0lf, 1.0lf);
+      double axis = clamp(widened(i < 3u ? light.direction[i] : -light.direction[i - 3u]), -1.0lf, 1.0lf);
       double nearest = axis * outer + sqrt(1.0lf - axis * axis) * outerSine;
       extent[i / 3u][i % 3u] = axis >= outer ? 1.0 : float(nearest);
     }

@@ -110,7 +110,7 @@ void setEnvironment(WorldJob job, uint world) {
   if (job.environmentRotation.address == 0ul) return;
   double degrees = invalid ? 0.0lf : numberAt(job.environmentRotation, world);
   precise double radiansOf = degrees * 3.14159265358979323846lf / 180.0lf;
-  dvec2 direction = cosineAndSine(double(float(radiansOf)));
+  dvec2 direction = cosineAndSine(roundedToFloat(radiansOf));
   ValuesOut(job.values).v[world].environmentCos = float(direction.x);
   ValuesOut(job.values).v[world].environmentSin = float(direction.y);
 }
@@ -133,7 +133,7 @@ void main() {
   view.viewToWorld = rounded(pose);
   view.worldToView = rounded(inverseOf(pose));
   view.eye = vec3(eye);
-  precise dvec3 low = eye - dvec3(view.eye);
+  precise dvec3 low = eye - widened(view.eye);
   view.eyeLow = vec3(low);
   view.world = world;
   if (job.intrinsics.address != 0ul && !isInvalid(job, world)) setIntrinsics(job, view.projection, index);
