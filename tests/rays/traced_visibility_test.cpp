@@ -27,7 +27,8 @@ class TracedVisibility : public RenderTest {
   }
 
   // Compares instances, triangles and depths at the pixels whose triangle remains the same if the image is moved by
-  // 1/64 pixel in four directions. Returns the share of these pixels.
+  // 1/64 pixel in four directions. Depths may differ by as much as they change over 1/4096 pixel, because the planes of
+  // slivers at silhouettes are steep. Returns the share of these pixels.
   static double compare(const scene::Scene& scene, const scene::Camera& camera, const Settings& settings) {
     const output::FrameOutput traced = render(scene, camera, settings, Raster::Rays);
     std::array<output::FrameOutput, 5> rastered;
@@ -47,8 +48,12 @@ class TracedVisibility : public RenderTest {
       };
       if (!std::ranges::all_of(rastered, same)) continue;
       ++inside;
-      const float depth = imageOf(rastered[0], Aov::Depth).values[i], found = imageOf(traced, Aov::Depth).values[i];
-      const bool near = depth == found || std::abs(found - depth) <= 1e-6f * depth;
+      const auto depthIn = [&](const output::FrameOutput& frame) { return imageOf(frame, Aov::Depth).values[i]; };
+      const float depth = depthIn(rastered[0]), found = depthIn(traced);
+      float change = 0;  // over 1/64 pixel; 0 for the background, whose depth is infinite
+      for (const output::FrameOutput& moved : rastered)
+        if (depthIn(moved) != depth) change = std::max(change, std::abs(depthIn(moved) - depth));
+      const bool near = depth == found || std::abs(found - depth) <= 1e-6f * depth + change / 64;
       if (near && !same(traced)) ++coincident;
       if (!near && wrong++ < 5)
         ADD_FAILURE() << "pixel " << i % settings.width << ", " << i / settings.width << ": depth " << found
