@@ -629,7 +629,7 @@ struct Worlds {
 
   std::vector<Camera> cameras;  // the cameras of each world, at least one
   // The instance that each camera rides on, if any: its cameraToWorld is then relative to the instance's frame, whose
-  // axes have the length 1. Empty: no camera rides.
+  // axes have the length 1 and must be a rotation. Empty: no camera rides.
   std::vector<std::optional<Handle<Instance>>> cameraInstances;
   std::vector<Transform> cameraToWorld;  // count x cameras, in place of Camera::cameraToWorld
   std::vector<Transform> previousCameraToWorld, nextCameraToWorld;  // empty: as cameraToWorld

@@ -377,6 +377,8 @@ def test_rejected_arrays_name_their_world(scene, worlds_renderer, camera, raster
     wrong_row[1, 0, 3] = 0, 0, 0, 2
     mirrored = np.tile(np.eye(4), (3, 2, 1, 1))
     mirrored[1, 1, 0, 0] = -1
+    sheared = np.tile(np.eye(4), (3, 2, 1, 1))
+    sheared[1, 1, 0, 1] = 0.5
     mirrored_poses = np.tile(camera.camera_to_world, (3, 1, 1, 1))
     mirrored_poses[1, 0, :3, 0] *= -1
     behind = np.tile(np.array([[20.0, 0, 12], [0, 20, 8], [0, 0, 1]]), (3, 1, 1, 1))
@@ -385,6 +387,7 @@ def test_rejected_arrays_name_their_world(scene, worlds_renderer, camera, raster
     for arguments, sentence in (
         ({"instances": [red, green], "transforms": wrong_row}, "transform of an instance must have the last row"),
         ({"instances": [red, green], "transforms": mirrored, "camera_instances": [green]}, "rides on an instance"),
+        ({"instances": [red, green], "transforms": sheared, "camera_instances": [green]}, "mirrors, shears"),
         ({"camera_to_world": mirrored_poses}, "camera's pose must be a rotation"),
         ({"k": behind}, "^a camera matrix k must have focal lengths above 0"),
         (choices | {"material_choice": np.int64([[0, 1], [1, 2], [0, 0]])}, "^material choices must be indices"),

@@ -5,6 +5,8 @@ namespace latelight {
 
 inline constexpr char kWrongJoint[] =
     "the transform of a joint must have the last row 0 0 0 1, and one of world {} has another";
+inline constexpr char kWrongRide[] =
+    "a camera of world {} rides on an instance whose transform mirrors, shears or has an axis of length 0";
 inline constexpr char kWrongIntrinsics[] =
     "a camera matrix k must have focal lengths above 0, no skew and the last row 0 0 1, and one in world {} does not";
 inline constexpr char kWrongFactors[] =

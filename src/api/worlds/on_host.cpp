@@ -97,10 +97,10 @@ glm::dmat4 Scene::Impl::WorldConverter::frameOf(uint32_t instance, uint32_t worl
   glm::dmat4 frame = own ? transforms[size_t{world} * to.instances.size() + place] : scenes[instance];
   for (int i = 0; i < 3; ++i) {
     const double length = glm::length(glm::dvec3(frame[i]));
-    if (!(length > 0)) badUsage("a camera rides on an instance whose transform has an axis of length 0");
+    if (!(length > 0)) badUsage(kWrongRide, world);
     frame[i] /= length;
   }
-  if (glm::determinant(glm::dmat3(frame)) < 0) badUsage("a camera rides on an instance whose transform mirrors");
+  if (!isRigid(frame, 1e-3)) badUsage(kWrongRide, world);
   return frame;
 }
 
@@ -141,17 +141,15 @@ std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasAt(const std::vec
       if (!(fx > 0 && fy > 0)) badUsage(kWrongIntrinsics, world);
       camera.lens = lensWith(camera, from.intrinsics[i]);
     }
-    inWorld(world, [&] {
-      scene::Camera internal = render::fitted(internalCamera(camera, scene.scene), settings.cameraFit);
-      const bool rides = !from.cameraInstances.empty() && from.cameraInstances[i % each];
-      if (rides) {
-        // The pose relative to the instance's frame, in the renderer's axes.
-        const glm::dmat4 relative = glm::inverse(scene::worldFromFile(scene.scene)) * internal.toWorld;
-        internal.toWorld = frameOf(scene.index(*from.cameraInstances[i % each]), world, transforms, scenes) * relative;
-      }
-      internal.world = world;
-      cameras.push_back(std::move(internal));
-    });
+    scene::Camera internal;
+    inWorld(world, [&] { internal = render::fitted(internalCamera(camera, scene.scene), settings.cameraFit); });
+    if (!from.cameraInstances.empty() && from.cameraInstances[i % each]) {
+      // The pose relative to the instance's frame, in the renderer's axes.
+      const glm::dmat4 relative = glm::inverse(scene::worldFromFile(scene.scene)) * internal.toWorld;
+      internal.toWorld = frameOf(scene.index(*from.cameraInstances[i % each]), world, transforms, scenes) * relative;
+    }
+    internal.world = world;
+    cameras.push_back(std::move(internal));
   }
   return cameras;
 }

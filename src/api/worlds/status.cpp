@@ -20,8 +20,7 @@ std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
           "one in world {} is not",
           world);
     if (bits & shared::kWorldWrongIntrinsics) badUsage(kWrongIntrinsics, world);
-    if (bits & shared::kWorldWrongRide)
-      badUsage("a camera of world {} rides on an instance whose transform mirrors or has an axis of length 0", world);
+    if (bits & shared::kWorldWrongRide) badUsage(kWrongRide, world);
     if (bits & shared::kWorldWrongFactors) badUsage(kWrongFactors, world);
     if (bits & shared::kWorldWrongEnvironmentIndex) badUsage(kWrongEnvironmentIndex, world);
     if (bits & shared::kWorldWrongChoice) badUsage(kWrongChoice, world);

@@ -11,14 +11,6 @@ bool areFinite(WorldNumbers n, uint index, uint count) {
   return finite;
 }
 
-// A rotation and a translation, with the tolerance of internalCamera().
-bool isRigid(dmat4 m) {
-  for (uint i = 0u; i < 3u; ++i)
-    for (uint j = 0u; j < 3u; ++j)
-      if (abs(dotOf(m[i].xyz, m[j].xyz) - (i == j ? 1.0lf : 0.0lf)) > 1e-3lf) return false;
-  return isAffine(m) && determinantOf(m) > 0.0lf;
-}
-
 uint checkedTransform(WorldNumbers n, uint index) {
   if (n.address == 0ul) return 0u;
   if (!areFinite(n, index, n.rows * 4u)) return kWorldNotFinite;

@@ -48,7 +48,7 @@ dmat4 frameOfRide(WorldJob job, uint world, uint instance, uint time) {
     precise dvec4 axis = frame[i] / lengthOf;
     frame[i] = axis;
   }
-  if (wrong || determinantOf(frame) < 0.0lf) report(job, world, kWorldWrongRide);
+  if (wrong || !isRigid(frame)) report(job, world, kWorldWrongRide);
   return frame;
 }
 

@@ -38,6 +38,14 @@ double determinantOf(dmat4 m) {
   return d;
 }
 
+// A rotation and a translation, with the tolerance of internalCamera().
+bool isRigid(dmat4 m) {
+  for (uint i = 0u; i < 3u; ++i)
+    for (uint j = 0u; j < 3u; ++j)
+      if (abs(dotOf(m[i].xyz, m[j].xyz) - (i == j ? 1.0lf : 0.0lf)) > 1e-3lf) return false;
+  return isAffine(m) && determinantOf(m) > 0.0lf;
+}
+
 // The instance's transform to the renderer's world. `time`: as in WorldJob.
 dmat4 worldTransform(WorldJob job, uint world, uint instance, uint time) {
   uint place = TemplateRef(job.templates).v[instance].place;
