@@ -10,6 +10,13 @@ layout(local_size_x = kFormatGroup) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer WordsOut { uint v[]; };
 layout(push_constant, scalar) uniform Push { FormatPush push; };
 
+layout(constant_id = kElementFormatConstant) const uint kFormat = kFormatWord;
+layout(constant_id = kSourceChannelsConstant) const uint kSourceChannels = 1u;
+layout(constant_id = kChannelsConstant) const uint kChannels = 1u;
+layout(constant_id = kPlanarConstant) const uint kPlanar = 0u;
+
+const uint kElementBytes = kFormat == kFormatByte ? 1u : kFormat == kFormatWord ? 4u : 2u;
+
 // IEEE 754 binary16, rounded to nearest even. Finite values beyond 65504, the largest half, become 65504, so that they
 // stay apart from the infinity of the background. packHalf2x16() may round in any direction.
 uint halfBits(float value) {
@@ -33,28 +40,28 @@ uint halfBits(float value) {
 
 // Returns the bits of an element of a segment: of all channels of a view, or of one plane.
 uint elementBits(UintRef from, uint element, uint plane) {
-  uint pixel = push.planar != 0u ? element : element / push.channels;
-  uint channel = push.planar != 0u ? plane : element % push.channels;
-  if (push.format == kFormatByte) return from.v[pixel] >> 8u * channel & 255u;
-  uint bits = from.v[pixel * push.sourceChannels + channel];
-  if (push.format == kFormatHalf) return halfBits(uintBitsToFloat(bits));
-  return push.format == kFormatShort ? min(bits, 65535u) : bits;
+  uint pixel = kPlanar != 0u ? element : element / kChannels;
+  uint channel = kPlanar != 0u ? plane : element % kChannels;
+  if (kFormat == kFormatByte) return from.v[pixel] >> 8u * channel & 255u;
+  uint bits = from.v[pixel * kSourceChannels + channel];
+  if (kFormat == kFormatHalf) return halfBits(uintBitsToFloat(bits));
+  return kFormat == kFormatShort ? min(bits, 65535u) : bits;
 }
 
 void main() {
   uint plane = gl_GlobalInvocationID.y, view = gl_GlobalInvocationID.z;
   UintRef from = UintRef(push.source + uint64_t(view) * push.sourceViewBytes);
   uint64_t begin = push.target + uint64_t(view) * push.targetViewBytes + uint64_t(plane) * push.planeBytes;
-  uint skipped = uint(begin) & 3u, end = skipped + push.elements * push.elementBytes;  // bytes from the first word on
+  uint skipped = uint(begin) & 3u, end = skipped + push.elements * kElementBytes;  // bytes from the first word on
   WordsOut words = WordsOut(begin - uint64_t(skipped));
-  uint lanes = 4u / push.elementBytes, bits = 8u * push.elementBytes;
+  const uint lanes = 4u / kElementBytes, bits = 8u * kElementBytes;
   for (uint word = gl_GlobalInvocationID.x; 4u * word < end; word += push.stride) {
     uint value = 0u, mask = 0u;
     for (uint lane = 0u; lane < lanes; ++lane) {
-      uint at = 4u * word + lane * push.elementBytes;
+      uint at = 4u * word + lane * kElementBytes;
       if (at < skipped || at >= end) continue;
-      value |= elementBits(from, (at - skipped) / push.elementBytes, plane) << bits * lane;
-      mask |= (bits == 32u ? ~0u : (1u << bits) - 1u) << bits * lane;
+      value |= elementBits(from, (at - skipped) / kElementBytes, plane) << bits * lane;
+      mask |= ~0u >> 32u - bits << bits * lane;
     }
     if (mask == ~0u) {
       words.v[word] = value;

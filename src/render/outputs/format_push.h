@@ -14,17 +14,13 @@ SH_CONST uint kFormatShort = 2u;  // ids in 16 bits; larger ids become 65535
 SH_CONST uint kFormatWord = 3u;   // 32 bits, unchanged
 
 struct FormatPush {
-  uint64_t source;  // packed pixels: RGBA8 words, or floats or ids [sourceChannels]
+  uint64_t source;  // packed pixels: RGBA8 words, or floats or ids [kSourceChannels]
   uint64_t sourceViewBytes;
-  uint64_t target;  // first row of the first view, a multiple of elementBytes
+  uint64_t target;  // first row of the first view, a multiple of the size of an element
   uint64_t targetViewBytes;
   uint64_t planeBytes;  // stride between channel planes, if planar
-  uint format;          // kFormat*
-  uint sourceChannels, channels;
-  uint planar;        // 1: the target has a plane per channel
-  uint elements;      // of a view, or of a plane if planar
-  uint elementBytes;  // of the target: 1, 2 or 4
-  uint stride;        // words between those of an invocation
+  uint elements;        // of a view, or of a plane if planar
+  uint stride;          // words between those of an invocation
 };
 
 SH_END

@@ -207,22 +207,22 @@ void PackedOutputs::addConversion(const Builder& b, const Conversion& conversion
   const FormatPush push{.sourceViewBytes = conversion.packed.viewBytes,
                         .targetViewBytes = viewBytes,
                         .planeBytes = uint64_t{array.elementBytes} * array.columns * array.rows,
-                        .format = !array.aov                ? kFormatByte
-                                  : array.elementBytes == 4 ? kFormatWord
-                                  : ids                     ? kFormatShort
-                                                            : kFormatHalf,
-                        .sourceChannels = array.aov ? array.channels : 1,
-                        .channels = array.channels,
-                        .planar = planar ? 1u : 0u,
                         .elements = elements,
-                        .elementBytes = array.elementBytes,
                         .stride = stride};
+  const uint32_t format = !array.aov                ? kFormatByte
+                          : array.elementBytes == 4 ? kFormatWord
+                          : ids                     ? kFormatShort
+                                                    : kFormatHalf;
   addCompute(b,
              {.stage = graph::Stage::Output,
               .name = "format",
               .shader = "format.comp",
               .bindings = Bindings(b.device),
               .size = {stride, planar ? array.channels : 1, size.z},
+              .constants = {{kElementFormatConstant, format},
+                            {kSourceChannelsConstant, array.aov ? array.channels : 1},
+                            {kChannelsConstant, array.channels},
+                            {kPlanarConstant, planar ? 1u : 0u}},
               .buffers = {{conversion.packed.buffer, graph::Use::StorageRead}, {target, graph::Use::StorageReadWrite}},
               .groupX = kFormatGroup,
               .groupY = 1},
