@@ -8,6 +8,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstring>
+#include <new>
 #include <optional>
 
 #include "base/program_symbols.h"
@@ -85,7 +86,8 @@ void handleFatalSignals() {
 SignalStack::SignalStack() {
   stack_t now{};
   if (!handled || sigaltstack(nullptr, &now) != 0 || !(now.ss_flags & SS_DISABLE)) return;
-  memory_ = std::make_unique<std::byte[]>(kSignalStackBytes);
+  memory_.reset(new (std::nothrow) std::byte[kSignalStackBytes]);
+  if (!memory_) return;  // handlers then run on the thread's own stack; an exception would end the process
   const stack_t own{.ss_sp = memory_.get(), .ss_flags = 0, .ss_size = kSignalStackBytes};
   if (sigaltstack(&own, nullptr) != 0) memory_.reset();
 }

@@ -12,13 +12,13 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <system_error>
 #include <thread>
 #include <utility>
 
 #include "base/fork.h"
 #include "base/log.h"
 #include "base/text.h"
+#include "base/threads.h"
 
 namespace latelight {
 namespace {
@@ -80,9 +80,9 @@ class Pool {
  public:
   explicit Pool(size_t workers) {
     try {
-      for (size_t i = 0; i < workers; ++i) std::thread([this] { serve(); }).detach();
-    } catch (const std::system_error&) {
-      // The number of threads is limited. The threads that started suffice, because the caller works, too.
+      for (std::thread& thread : startThreads(workers, [this](size_t) { serve(); })) thread.detach();
+    } catch (const std::exception&) {
+      // Threads or memory are limited. No thread has started, and the caller does the work.
     }
   }
 
@@ -122,7 +122,6 @@ class Pool {
   }
 
   void serve() {
-    const SignalStack stack;
     for (;;) {
       const std::shared_ptr<ParallelLoop> loop = join();
       loop->work();

@@ -1,17 +1,22 @@
 #include "base/parallel.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdlib>
 #include <mutex>
+#include <new>
 #include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "counted_allocations.h"
 
 namespace latelight {
 namespace {
@@ -143,6 +148,38 @@ TEST(Parallel, CopiesAllBytesOfAllArrays) {
   }
   copyInParallel(copies);
   EXPECT_TRUE(to == from);
+}
+
+// The first loop of a process starts the threads. A child process is one that has none yet.
+TEST(Parallel, NeedsNoMemoryForItsOtherThreads) {
+  enum Outcome { kDone, kNoMemory, kWrong };
+  const auto inChild = [](int failing) {
+    const pid_t child = fork();
+    if (child != 0) {
+      int status = 0;
+      waitpid(child, &status, 0);
+      return WIFEXITED(status) ? WEXITSTATUS(status) : int{kWrong};
+    }
+    alarm(600);  // ends a child that never ends
+    std::atomic<size_t> sum = 0;
+    const auto loop = [&] { parallelFor(64, 1, [&](size_t begin, size_t end) { sum += end - begin; }); };
+    Outcome outcome = kDone;
+    try {
+      test::allocationsOf(loop, failing);
+    } catch (const std::bad_alloc&) {
+      outcome = kNoMemory;
+      sum = 0;
+      loop();
+    }
+    _exit(sum == 64 ? outcome : kWrong);
+  };
+  size_t withoutMemory = 0;
+  for (int failing = 1; failing <= 40; ++failing) {
+    const int outcome = inChild(failing);
+    ASSERT_NE(outcome, kWrong) << failing;
+    withoutMemory += outcome == kNoMemory;
+  }
+  EXPECT_LT(withoutMemory, threadCount() - 1);  // each thread has an allocation
 }
 
 }  // namespace

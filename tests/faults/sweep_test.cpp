@@ -91,7 +91,7 @@ class FaultSweep : public testing::TestWithParam<Task> {
   }
 
   static Command commandIn(const Folder& folder, Environment environment) {
-    environment["LATELIGHT_THREADS"] = "1";
+    environment.try_emplace("LATELIGHT_THREADS", "1");
     return {.arguments = GetParam().arguments, .environment = std::move(environment), .folder = folder.path()};
   }
   static Environment failing(const std::string& kind, uint64_t number, const Folder& folder) {
@@ -168,6 +168,24 @@ TEST_P(FaultSweep, Allocations) {
   sweep(calls, 8, [&](uint64_t number) {
     expectPromises([&](const Folder& folder) { return failing("new", number, folder); }, {6, 7});
   });
+}
+
+// Each thread begins with a stack for its signal handlers, which it can do without. The first four allocations of its
+// size are the stacks of the main thread and of others that begin together.
+TEST_P(FaultSweep, StacksOfSignalHandlers) {
+  if (GetParam().name == "compare") GTEST_SKIP() << "compare starts fewer threads";
+  constexpr int kBytes = 64 << 10;
+  for (int number = 1; number <= 4; ++number) {
+    SCOPED_TRACE(number);
+    expectPromises(
+        [&](const Folder& folder) {
+          Environment environment = failing("new", number, folder);
+          environment["LATELIGHT_FAULT"] += fmt::format(" {}", kBytes);
+          environment["LATELIGHT_THREADS"] = "3";
+          return environment;
+        },
+        {});
+  }
 }
 
 TEST_P(FaultSweep, Files) {

@@ -9,9 +9,9 @@
 #include <thread>
 
 #include "base/error.h"
-#include "base/fatal_signals.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/threads.h"
 #include "data/batch/parts_lock.h"
 #include "data/batch/worker.h"
 #include "data/stop.h"
@@ -39,21 +39,19 @@ AtOnce atOnce(const Job& job, const BatchOptions& options) {
 void onThreads(size_t count, const std::function<void(size_t i)>& body) {
   std::exception_ptr first;
   std::mutex mutex;
+  const auto run = [&](size_t i) {
+    try {
+      body(i);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!first) first = std::current_exception();
+    }
+  };
   std::vector<std::thread> threads;
   try {
-    for (size_t i = 0; i < count; ++i)
-      threads.emplace_back([&, i] {
-        const SignalStack stack;
-        try {
-          body(i);
-        } catch (...) {
-          const std::lock_guard lock(mutex);
-          if (!first) first = std::current_exception();
-        }
-      });
+    threads = startThreads(count, run);
   } catch (const std::system_error&) {
-    if (threads.empty())
-      fail(ExitCode::NoDevice, "this process may not start a thread that renders: raise `ulimit -u`");
+    fail(ExitCode::NoDevice, "this process may not start a thread that renders: raise `ulimit -u`");
   }
   for (std::thread& thread : threads) thread.join();
   if (first) std::rethrow_exception(first);

@@ -124,6 +124,7 @@ ShardLog::~ShardLog() {
 void ShardLog::finished(const FinishedFrame& frame) {
   const std::string line = lineOf("frame", data::describe(frame));
   const std::lock_guard lock(mutex_);
+  waiting_.reserve(waiting_.size() + line.size());  // memory that runs out changes nothing: the frame failed
   frames_.insert(frame.index);
   failed_.erase(frame.name);
   add(line);

@@ -4,8 +4,8 @@
 #include <unordered_set>
 
 #include "base/error.h"
-#include "base/fatal_signals.h"
 #include "base/parallel.h"
+#include "base/threads.h"
 
 namespace latelight::data {
 
@@ -28,15 +28,9 @@ uint64_t bytesOf(const RenderedFrame& frame) {
 Writers::Writers(const Job& job, ShardLog& log, Progress& progress, size_t threads, uint64_t waiting)
     : job_(job), log_(log), progress_(progress), most_(waiting) {
   try {
-    for (size_t i = 0; i < threads; ++i)
-      threads_.emplace_back([this] {
-        const SignalStack stack;
-        work();
-      });
+    threads_ = startThreads(threads, [this](size_t) { work(); });
   } catch (const std::system_error&) {
-    // The number of threads is limited. Those that started write all files.
-    if (threads_.empty())
-      fail(ExitCode::NoDevice, "this process may not start threads that write files: raise `ulimit -u`");
+    fail(ExitCode::NoDevice, "this process may not start threads that write files: raise `ulimit -u`");
   }
 }
 

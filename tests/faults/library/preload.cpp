@@ -3,7 +3,8 @@
 // LATELIGHT_FAULT_COUNT, so that a test knows where a sweep ends.
 //
 // Kinds: "new" is an allocation by the program's own code, not by a library that it loads, because drivers end the
-// process without memory. The others are system calls on files below the folder LATELIGHT_FAULT_FOLDER.
+// process without memory. "new N SIZE" counts only those of SIZE bytes. The others are system calls on files below the
+// folder LATELIGHT_FAULT_FOLDER.
 //
 // A program that loads Latelight as a library, such as Python, calls latelight_fault() instead, as often as it likes.
 //
@@ -37,7 +38,7 @@ constexpr size_t kMaxListed = 100;
 struct Fault {
   Kind kind = Kind::None;
   uint64_t number = 0;
-  uint64_t size = 0;  // of the allocations that "every" counts, in bytes; 0: any
+  uint64_t size = 0;  // of the allocations that count, in bytes; 0: any
   const char* folder = nullptr;
   const char* object = nullptr;  // of the library whose allocations count, the end of its path; null: the program
   uintptr_t begin = 0, end = 0;  // its code
@@ -162,9 +163,9 @@ bool failsInChild() {
 void* allocate(size_t size, size_t alignment, const void* caller) {
   const auto at = reinterpret_cast<uintptr_t>(caller);
   const bool isOwn = fault.isInMain && at >= fault.begin && at < fault.end;
-  if (isOwn && fault.kind == Kind::New && fails(Kind::New)) return nullptr;
-  const bool isSwept = fault.kind == Kind::Every && (fault.size == 0 || fault.size == size);
-  if (isOwn && isSwept && failsInChild()) return nullptr;
+  const bool counts = isOwn && (fault.size == 0 || fault.size == size);
+  if (counts && fault.kind == Kind::New && fails(Kind::New)) return nullptr;
+  if (counts && fault.kind == Kind::Every && failsInChild()) return nullptr;
   if (size == 0) size = 1;
   return alignment ? aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment) : std::malloc(size);
 }
