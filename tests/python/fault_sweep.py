@@ -83,7 +83,39 @@ def tickets(folder, device):
     return [hits.take()["distance"], frame.take()["depth"], in_worlds.take()["distance"]]
 
 
-WORKS = {work.__name__: work for work in (build, load, export, render, worlds, tickets)}
+def edit(folder, device):
+    """Edits of a scene that a renderer shows. After one that failed, the renderer renders what the scene then is."""
+    scene = latelight.Scene("builtin:boxes")
+    renderer = latelight.Renderer(scene, device)
+    show = lambda: renderer.render(camera(scene), (24, 16), "depth")["depth"]
+    images = [show()]
+    box = scene.instances()[0]
+    moved = np.eye(4)
+    moved[2, 3] = 0.25
+    try:
+        scene.set_transform(box, moved)
+        images.append(show())
+        mesh = scene.add_mesh(np.eye(3, dtype=np.float32), name="triangle")
+        paint = scene.add_material(latelight.Material(name="paint", roughness=0.5))
+        scene.set_texture(paint, "base_color", scene.add_texture(np.full((4, 4, 3), 200, np.uint8)))
+        triangle = scene.add_instance(mesh, paint, np.eye(4), "one")
+        light = scene.add_light(latelight.Light(position=(0, 2, 3), intensity=30))
+        images.append(show())
+        scene.set_mesh(mesh, 2 * np.eye(3, dtype=np.float32))
+        scene.assign_material(box, paint)
+        images.append(show())
+        scene.remove_light(light)
+        scene.remove_instance(triangle)
+        scene.remove_instance(box)
+        images.append(show())
+    except latelight.OutOfMemoryError:
+        start("none", 0)
+        assert np.isfinite(show()).any()
+        raise
+    return images
+
+
+WORKS = {work.__name__: work for work in (build, load, export, render, worlds, tickets, edit)}
 
 
 # --- faults -----------------------------------------------------------------------------------------------------------
