@@ -132,12 +132,16 @@ void Renderer::finish() {
   filled().device->finish();
 }
 
-Frame Renderer::render(const Camera& camera, const Options& options) {
+Frame Renderer::render(const Camera& camera, const Options& options) try {
   return std::move(render(std::vector<Camera>{camera}, options).front());
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the picture of the camera");
 }
 
-std::vector<Frame> Renderer::render(const std::vector<Camera>& cameras, const Options& options) {
+std::vector<Frame> Renderer::render(const std::vector<Camera>& cameras, const Options& options) try {
   return submit(cameras, options).take();
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the pictures of the cameras");
 }
 
 struct Ticket::Impl {
@@ -276,8 +280,10 @@ Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& optio
   failWithoutMemory("the pictures of the cameras");
 }
 
-std::vector<Frame> Renderer::render(const Worlds& worlds, const Options& options) {
+std::vector<Frame> Renderer::render(const Worlds& worlds, const Options& options) try {
   return submit(worlds, options).take();
+} catch (const std::bad_alloc&) {
+  failWithoutMemory("the pictures of the worlds");
 }
 
 std::vector<const scene::Environment*> Renderer::Impl::environmentsOf(const std::vector<std::string>& names) {

@@ -1,5 +1,5 @@
 // Edits of which each allocation fails in turn: the edit throws Error(OutOfMemory), the scene is unchanged, and the
-// same edit then succeeds with the result of one that was not disturbed.
+// same edit then succeeds with the result of one that was not disturbed. The same for images after edits.
 #include <gtest/gtest.h>
 #include <latelight/latelight.h>
 
@@ -13,6 +13,7 @@
 
 #include "app/folder.h"
 #include "counted_allocations.h"
+#include "long_tests.h"
 #include "test_device.h"
 
 namespace latelight {
@@ -187,6 +188,37 @@ TEST_P(OutOfMemory, LeavesRenderersUpToDate) {
     if (outcomeOf(allocation, GetParam(), edited) != Outcome::Fails) break;
   Renderer other(edited.scene, latelight::test::testDevice());
   EXPECT_TRUE(renderer.render(camera, options).rgba == other.render(camera, options).rgba);
+}
+
+// Each allocation of an image after edits fails in turn. The next image is that of a new renderer: the device has the
+// whole scene, and nothing that was destroyed is used. The device follows the edits in the first hundreds of
+// allocations.
+TEST(OutOfMemoryTest, TheNextImageShowsAllEdits) {
+  constexpr Transform kFar{1, 0, 0, 1e6, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // moves the origin of the device's scene
+  Options options;
+  options.width = options.height = 16;
+  const int step = test::rounds(1, 7), last = test::rounds(3000, 400);
+  int failures = 0;
+  for (int allocation = 1; allocation < last; allocation += step) {
+    Edited edited;
+    const Camera camera = edited.scene.cameras().front();
+    Renderer renderer(edited.scene, test::testDevice());
+    renderer.render(camera, options);
+    const Handle<Material> added = edited.scene.addMaterial({.name = "paint"});
+    edited.scene.setTexture(added, TextureSlot::BaseColor, TextureUse{.texture = edited.unusedTexture});
+    edited.scene.addInstance(edited.unusedMesh, added, kMoved);
+    edited.scene.setTransform(edited.twin, kFar);
+    try {
+      if (test::allocationsOf([&] { renderer.render(camera, options); }, allocation) < allocation) break;
+    } catch (const Error& error) {
+      ASSERT_EQ(error.code(), ExitCode::OutOfMemory);
+      ++failures;
+    }
+    Renderer other(edited.scene, test::testDevice());
+    ASSERT_TRUE(renderer.render(camera, options).rgba == other.render(camera, options).rgba)
+        << "allocation " << allocation;
+  }
+  EXPECT_GT(failures, 10);
 }
 
 INSTANTIATE_TEST_SUITE_P(Edits, OutOfMemory, testing::ValuesIn(kEdits),

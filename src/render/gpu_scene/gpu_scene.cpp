@@ -51,7 +51,7 @@ void GpuScene::update(const Poses& poses, const std::optional<scene::Light>& sun
   const Seen now = revisionsOf(scene_);
   const bool poseChanges = posed_ || !poses.current.empty();
   const bool lightsMove = poseChanges && posesLights(scene_);
-  follow();
+  follow(std::exchange(isBehind_, true));
   if (poseChanges) pose(poses);
   if (lightsMove || now.lights != seen_.lights || sun != sun_ || lightsOrigin_ != origin()) {
     seen_.lights = ~uint64_t{0};  // so that a call after a failure repeats this
@@ -61,6 +61,7 @@ void GpuScene::update(const Poses& poses, const std::optional<scene::Light>& sun
     countLights();
   }
   seen_ = now;
+  isBehind_ = false;
 }
 
 std::vector<scene::Light> GpuScene::lightsIn(const Poses& poses) const {
@@ -136,9 +137,9 @@ void GpuScene::changesSubmitted() {
   worldDeformer_.submitted();
 }
 
-void GpuScene::follow() {
+void GpuScene::follow(bool all) {
   const scene::SceneEdits& edits = scene_.edits;
-  const auto meshes = edits.meshes.since(seen_.meshes);
+  const auto meshes = all ? allOf(scene_.meshes.size()) : edits.meshes.since(seen_.meshes);
   if (!meshes.empty()) {
     geometry_.update(uploads_, meshes);
     deformer_.reset();
@@ -151,9 +152,10 @@ void GpuScene::follow() {
       if (std::ranges::binary_search(meshes, scene_.instances[i].mesh)) moved.push_back(i);
     instances_.update(uploads_, moved);
   }
-  const auto textures = edits.textures.since(seen_.textures), materials = edits.materials.since(seen_.materials);
+  const auto textures = all ? allOf(scene_.textures.size()) : edits.textures.since(seen_.textures);
+  const auto materials = all ? allOf(scene_.materials.size()) : edits.materials.since(seen_.materials);
   if (!textures.empty() || !materials.empty()) materials_.update(uploads_, textures, materials);
-  const auto instances = edits.instances.since(seen_.instances);
+  const auto instances = all ? allOf(scene_.instances.size()) : edits.instances.since(seen_.instances);
   if (!instances.empty()) {
     instances_.update(uploads_, instances);
     bounds_.reset();

@@ -93,7 +93,7 @@ class GpuScene {
     uint64_t meshes, materials, textures, instances, lights;
   };
   static Seen revisionsOf(const scene::Scene& scene);
-  void follow();
+  void follow(bool all);  // `all`: as if everything had been edited
   void pose(const Poses& poses);
   void deformWorlds(const WorldStates& worlds, const Poses& poses);
   std::vector<scene::Light> lightsIn(const Poses& poses) const;
@@ -112,7 +112,8 @@ class GpuScene {
   vk::Uploader uploads_;  // pending
   bool deformationWaits_ = false;
   Seen seen_;
-  bool posed_ = false;  // false: the scene is at rest
+  bool posed_ = false;     // false: the scene is at rest
+  bool isBehind_ = false;  // an update failed, after which any part may be incomplete
   std::optional<scene::Light> sun_;
   uint32_t lightCount_ = 0, localLights_ = 0, unboundedLights_ = 0, areaLights_ = 0;
   glm::dvec3 lightsOrigin_{0};

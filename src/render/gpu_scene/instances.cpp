@@ -186,11 +186,13 @@ uint32_t GpuInstances::groupBits(uint32_t instance) const {
 
 // Does not increase revision_, because neither the draw order nor any data derived from it depends on groups.
 void GpuInstances::setGroups(vk::Uploader& uploader, const std::vector<uint32_t>& groups) {
-  if (groups == groups_) return;
+  if (groups == groups_ && !staleGroups_) return;
+  staleGroups_ = true;
   groups_ = groups;
   constexpr uint32_t kOthers = (1u << shared::kInstanceGroupShift) - 1;
   for (uint32_t i = 0; i < records_.size(); ++i) records_[i].flags = (records_[i].flags & kOthers) | groupBits(i);
   list_.upload(uploader, records_);
+  staleGroups_ = false;
 }
 
 scene::Bounds GpuInstances::allBounds() const {

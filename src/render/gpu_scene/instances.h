@@ -78,7 +78,8 @@ class GpuInstances {
   std::vector<Sphere> bounds_;  // spheres_ relative to the origin
   std::vector<uint32_t> groups_;
   GpuList<shared::Instance> list_, previous_, next_;
-  bool moves_ = false;  // previous_ and next_ have other transforms than list_
+  bool moves_ = false;        // previous_ and next_ have other transforms than list_
+  bool staleGroups_ = false;  // the upload of the groups failed
   size_t vast_ = 0;
   uint64_t revision_ = 1;
 };

@@ -176,10 +176,9 @@ void GpuMaterials::uploadUniforms(vk::Uploader& uploader, std::span<const uint32
   std::vector<uint32_t> all;
   if (uniforms_.size() < records_.size() * uniformStride_) {
     const size_t capacity = uniforms_ ? std::bit_ceil(records_.size()) : records_.size();
-    uniforms_ = vk::Buffer(
+    setUniforms(vk::Buffer(
         device_,
-        {.size = capacity * uniformStride_, .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, .name = "material uniforms"});
-    makeUniformSet();
+        {.size = capacity * uniformStride_, .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, .name = "material uniforms"}));
     all = allOf(records_.size());
     changed = all;
   }
@@ -187,26 +186,31 @@ void GpuMaterials::uploadUniforms(vk::Uploader& uploader, std::span<const uint32
     uploader.upload(uniforms_, std::as_bytes(std::span(&records_[material], 1)), material * uniformStride_);
 }
 
-void GpuMaterials::makeUniformSet() {
+// If a call fails, the earlier buffer and its set remain, and the next call repeats this.
+void GpuMaterials::setUniforms(vk::Buffer uniforms) {
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1};
   const VkDescriptorPoolCreateInfo poolInfo{
       .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
-  VkDescriptorPool pool = VK_NULL_HANDLE;
-  VK_CHECK(vkCreateDescriptorPool(device_.get(), &poolInfo, nullptr, &pool));
-  uniformPool_ = vk::Handle<VkDescriptorPool>(device_, pool);
+  VkDescriptorPool created = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateDescriptorPool(device_.get(), &poolInfo, nullptr, &created));
+  vk::Handle<VkDescriptorPool> pool(device_, created);
   const VkDescriptorSetLayout layout = device_.cache().setLayout({vk::Binding::DynamicUniform});
   const VkDescriptorSetAllocateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                         .descriptorPool = pool,
+                                         .descriptorPool = created,
                                          .descriptorSetCount = 1,
                                          .pSetLayouts = &layout};
-  VK_CHECK(vkAllocateDescriptorSets(device_.get(), &info, &uniformSet_));
-  const VkDescriptorBufferInfo record{uniforms_.get(), 0, sizeof(shared::Material)};
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  VK_CHECK(vkAllocateDescriptorSets(device_.get(), &info, &set));
+  const VkDescriptorBufferInfo record{uniforms.get(), 0, sizeof(shared::Material)};
   const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                   .dstSet = uniformSet_,
+                                   .dstSet = set,
                                    .descriptorCount = 1,
                                    .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC,
                                    .pBufferInfo = &record};
   vkUpdateDescriptorSets(device_.get(), 1, &write, 0, nullptr);
+  uniforms_ = std::move(uniforms);
+  uniformPool_ = std::move(pool);
+  uniformSet_ = set;
 }
 
 }  // namespace latelight::render

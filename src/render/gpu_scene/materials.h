@@ -82,7 +82,7 @@ class GpuMaterials {
   uint32_t baseOf(uint32_t material) const;  // the scene's material whose textures it has
   void uploadRecords(vk::Uploader& uploader, std::span<const uint32_t> changed);
   void uploadUniforms(vk::Uploader& uploader, std::span<const uint32_t> changed);
-  void makeUniformSet();
+  void setUniforms(vk::Buffer uniforms);
 
   vk::Device& device_;
   const scene::Scene& scene_;

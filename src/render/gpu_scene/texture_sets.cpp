@@ -99,13 +99,15 @@ class IndexedTextures final : public TextureSets {
 void IndexedTextures::update(std::span<const uint32_t>) {
   if (textures_.entries().size() > device_.maxTextureArray())
     badInput("the scene's materials use more textures than the device can index, {}", device_.maxTextureArray());
-  if (std::exchange(revision_, textures_.revision()) == textures_.revision()) return;
+  if (revision_ == textures_.revision()) return;
   std::vector<VkDescriptorImageInfo> images;
   for (const GpuTextures::Entry& entry : textures_.entries())
     images.push_back({textures_.sampler(entry.sampler), textures_.view(entry), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL});
   renew(images);
+  revision_ = textures_.revision();
 }
 
+// If a call fails, the earlier set remains.
 void IndexedTextures::renew(const std::vector<VkDescriptorImageInfo>& images) {
   const auto count = static_cast<uint32_t>(images.size());
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count};
@@ -114,9 +116,9 @@ void IndexedTextures::renew(const std::vector<VkDescriptorImageInfo>& images) {
                                             .maxSets = 1,
                                             .poolSizeCount = 1,
                                             .pPoolSizes = &size};
-  VkDescriptorPool pool = VK_NULL_HANDLE;
-  VK_CHECK(vkCreateDescriptorPool(device_.get(), &poolInfo, nullptr, &pool));
-  pool_ = vk::Handle<VkDescriptorPool>(device_, pool);
+  VkDescriptorPool created = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateDescriptorPool(device_.get(), &poolInfo, nullptr, &created));
+  vk::Handle<VkDescriptorPool> pool(device_, created);
   const VkDescriptorSetVariableDescriptorCountAllocateInfo length{
       .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_VARIABLE_DESCRIPTOR_COUNT_ALLOCATE_INFO,
       .descriptorSetCount = 1,
@@ -124,16 +126,19 @@ void IndexedTextures::renew(const std::vector<VkDescriptorImageInfo>& images) {
   const VkDescriptorSetLayout layout = device_.cache().setLayout(textureBindings(device_));
   const VkDescriptorSetAllocateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
                                          .pNext = &length,
-                                         .descriptorPool = pool,
+                                         .descriptorPool = created,
                                          .descriptorSetCount = 1,
                                          .pSetLayouts = &layout};
-  VK_CHECK(vkAllocateDescriptorSets(device_.get(), &info, &set_));
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  VK_CHECK(vkAllocateDescriptorSets(device_.get(), &info, &set));
   const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                   .dstSet = set_,
+                                   .dstSet = set,
                                    .descriptorCount = count,
                                    .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
                                    .pImageInfo = images.data()};
   vkUpdateDescriptorSets(device_.get(), 1, &write, 0, nullptr);
+  pool_ = std::move(pool);
+  set_ = set;
 }
 
 }  // namespace

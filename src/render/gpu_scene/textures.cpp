@@ -87,6 +87,7 @@ void GpuTextures::uploadImage(vk::Uploader& uploader, uint32_t index) {
 
 // Materials that still sample the texture add their entries again.
 void GpuTextures::dropEntries(uint32_t texture) {
+  freeEntries_.reserve(freeEntries_.size() + entriesOf_[texture].size());  // may throw: then nothing has changed
   for (const uint32_t entry : entriesOf_[texture]) {
     entries_[entry] = {};
     freeEntries_.push_back(entry);
@@ -108,8 +109,8 @@ uint32_t GpuTextures::addEntry(const scene::TextureSlot& slot) {
   const auto found = std::ranges::find(known, slot.sampler, [&](uint32_t i) { return entries_[i].sampler; });
   if (found != known.end()) return *found;
   if (freeEntries_.empty()) {
-    freeEntries_.push_back(static_cast<uint32_t>(entries_.size()));
-    entries_.emplace_back();
+    entries_.emplace_back();  // first, so that free entries exist even if memory runs out in between
+    freeEntries_.push_back(static_cast<uint32_t>(entries_.size() - 1));
   }
   const uint32_t entry = freeEntries_.back();
   freeEntries_.pop_back();
@@ -203,8 +204,13 @@ void GpuTextures::setAnisotropy(vk::Uploader& uploader, uint32_t samples) {
   if (samples == anisotropy_) return;
   anisotropy_ = samples;
   ++revision_;
-  if (hasTexels_) uploadRecords(uploader);
-  sets_->update(allOf(scene_.materials.size()));
+  try {
+    if (hasTexels_) uploadRecords(uploader);
+    sets_->update(allOf(scene_.materials.size()));
+  } catch (...) {
+    anisotropy_ = 0;  // no number of samples, so that the next call repeats this
+    throw;
+  }
 }
 
 }  // namespace latelight::render

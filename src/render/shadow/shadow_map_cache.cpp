@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <numeric>
 #include <string_view>
+#include <utility>
 
 #include "render/shadow/pages.h"
 
@@ -71,7 +72,7 @@ std::vector<Sphere> ShadowMapCache::changedCasters(const GpuScene& scene) {
   return changed;
 }
 
-void ShadowMapCache::follow(const GpuScene& scene) {
+void ShadowMapCache::follow(const GpuScene& scene) try {
   if (const bool had = std::exchange(hadWorlds_, scene.hasWorlds()); had || hadWorlds_) forget();
   if (const uint64_t now = scene.materials().revision(); std::exchange(materials_, now) != now) forget();
   if (std::exchange(origin_, scene.origin()) != scene.origin()) forget();
@@ -86,6 +87,11 @@ void ShadowMapCache::follow(const GpuScene& scene) {
     if (stale) tiles_.recycle(map.tile);
     return stale;
   });
+} catch (...) {
+  // The changes count as followed, so no map may remain. Without an atlas, the next request makes a new one.
+  maps_.clear();
+  atlas_ = nullptr;
+  throw;
 }
 
 void ShadowMapCache::forget() {
@@ -129,12 +135,14 @@ void ShadowMapCache::renew(vk::Device& device, vk::ImageDesc kind, uint64_t texe
   kind.width = kind.height = side;
   kind.layers = static_cast<uint32_t>((texels + uint64_t{side} * side - 1) / (uint64_t{side} * side));
   maps_.clear();
-  atlas_ = std::make_shared<const vk::Image>(device, kind);
+  atlas_ = nullptr;  // until its pages and tiles exist, too
+  auto atlas = std::make_shared<const vk::Image>(device, kind);
   pages_ = std::make_shared<const vk::Buffer>(
       device, vk::BufferDesc{.size = sizeof(uint32_t) * pageWords(kind),
                              .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                              .name = "shadow pages"});
   tiles_ = AtlasTiles(side, kind.layers);
+  atlas_ = std::move(atlas);
   oversizedFrames_ = 0;
 }
 

@@ -42,9 +42,6 @@ void DrawOrder::update(const GpuScene& scene) {
   const GpuInstances& all = scene.instances();
   const uint64_t worlds = scene.worlds().hasMaterials() ? scene.worlds().revision() : 0;
   if (instances_ == all.revision() && materials_ == scene.materials().revision() && worlds_ == worlds) return;
-  worlds_ = worlds;
-  instances_ = all.revision();
-  materials_ = scene.materials().revision();
   const auto before = [&](uint32_t a, uint32_t b) {
     const shared::Instance &x = all.record(a), &y = all.record(b);
     return std::tie(x.material, x.mesh, a) < std::tie(y.material, y.mesh, b);
@@ -72,6 +69,9 @@ void DrawOrder::update(const GpuScene& scene) {
                     !isBlended(scene, all.record(order_[i])) &&
                     all.bounds(order_[i + 1]).radius >= 0;  // an instance that is not rendered hides nothing
   });
+  worlds_ = worlds;  // only now, so that a call after a failure repeats all
+  instances_ = all.revision();
+  materials_ = scene.materials().revision();
 }
 
 DrawList DrawOrder::select(const GpuScene& scene, Kind kind, const std::function<bool(const Sphere&)>& wanted,
