@@ -151,7 +151,7 @@ TEST(Parallel, CopiesAllBytesOfAllArrays) {
 }
 
 // The first loop of a process starts the threads. A child process is one that has none yet.
-TEST(Parallel, NeedsNoMemoryForItsOtherThreads) {
+TEST(Parallel, NeedsNoMemoryForOtherThreadsOfAFork) {
   enum Outcome { kDone, kNoMemory, kWrong };
   const auto inChild = [](int failing) {
     const pid_t child = fork();
