@@ -55,6 +55,7 @@ constexpr HitArray kHitArrays[] = {{"distance", &CastTargets::distance},
                                    {"material", &CastTargets::material},
                                    {"triangle", &CastTargets::triangle},
                                    {"intensity", &CastTargets::intensity}};
+static_assert(std::size(kHitArrays) * sizeof(void*) == sizeof(CastTargets));
 
 // The arrays of hits that a call of cast() returns: new ones, or those of `out`.
 class HitArrays {
@@ -76,8 +77,11 @@ class HitArrays {
   static const HitArray& named(const std::string& name) {
     const auto* const found = std::ranges::find(kHitArrays, name, &HitArray::name);
     if (found != std::end(kHitArrays)) return *found;
-    badValue("rays have no output \"{}\": they have {}", name,
-             "distance, position, normal, geonormal, uv, id, part, material, triangle and intensity");
+    std::vector<const char*> names;
+    for (const HitArray& array : kHitArrays) names.push_back(array.name);
+    const char* const last = names.back();
+    names.pop_back();
+    badValue("rays have no output \"{}\": they have {} and {}", name, fmt::join(names, ", "), last);
   }
 
   void add(const HitArray& array) {

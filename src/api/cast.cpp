@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <new>
+#include <string_view>
 #include <utility>
 #include <variant>
 
@@ -47,20 +48,21 @@ render::CastRays raysOf(std::span<const std::array<float, 3>> origins, std::span
   return {.maxDistance = maxDistance, .floatOrigins = vectors(origins), .floatDirections = vectors(directions)};
 }
 
+// The public structs have exactly the arrays of hits.def.
+static_assert(sizeof(CastTargets) == sizeof(render::CastTargets) && sizeof(CastHits) == sizeof(render::CastHits));
+
 // Throws Error(Usage) if the arrays of two outputs overlap. `count`: the number of values in each.
-void checkDistinct(const CastTargets& t, uint64_t count) {
+void checkDistinct(const CastTargets& targets, uint64_t count) {
   struct Range {
-    const char* name;
+    std::string_view name;
     std::uintptr_t begin, end;
   };
   std::vector<Range> ranges;
-  const auto add = [&](const char* name, const auto* array) {
+  const auto add = [&](const render::HitInfo& info, const auto* array) {
     const auto begin = reinterpret_cast<std::uintptr_t>(array);
-    if (array) ranges.push_back({name, begin, begin + count * sizeof(*array)});
+    if (array) ranges.push_back({info.name, begin, begin + count * sizeof(*array)});
   };
-  add("distance", t.distance), add("position", t.position), add("normal", t.normal), add("geonormal", t.geonormal);
-  add("uv", t.uv), add("id", t.id), add("part", t.part), add("material", t.material), add("triangle", t.triangle);
-  add("intensity", t.intensity);
+  render::forEachHitArray(add, targets);
   std::ranges::sort(ranges, {}, &Range::begin);
   for (size_t i = 1; i < ranges.size(); ++i)
     if (ranges[i].begin < ranges[i - 1].end)
@@ -68,12 +70,15 @@ void checkDistinct(const CastTargets& t, uint64_t count) {
                ranges[i].name);
 }
 
-render::CastTargets internalTargets(const CastTargets& t, uint64_t count) {
-  checkDistinct(t, count);
-  static_assert(sizeof(glm::vec3) == sizeof(*t.position) && sizeof(glm::vec2) == sizeof(*t.uv));
-  const auto vec3s = [](std::array<float, 3>* vectors) { return reinterpret_cast<glm::vec3*>(vectors); };
-  return {t.distance, vec3s(t.position), vec3s(t.normal), vec3s(t.geonormal), reinterpret_cast<glm::vec2*>(t.uv), t.id,
-          t.part,     t.material,        t.triangle,      t.intensity};
+render::CastTargets internalTargets(const CastTargets& targets, uint64_t count) {
+  checkDistinct(targets, count);
+  render::CastTargets internal;
+  const auto assign = []<typename From, typename To>(const render::HitInfo&, From* from, To*& to) {
+    static_assert(sizeof(From) == sizeof(To));
+    to = reinterpret_cast<To*>(from);
+  };
+  render::forEachHitArray(assign, targets, internal);
+  return internal;
 }
 
 // Renderer::Impl is private, so its type is deduced.

@@ -22,30 +22,20 @@ namespace {
 constexpr size_t kRaysAtOnce = size_t{1} << 18;
 constexpr size_t kChunksInFlight = 4;
 
-// An array of hits in the host's memory: the member of CastPush that has its address, and its bytes per ray.
+// An array of hits in the host's memory.
 struct HitArray {
-  uint64_t shared::CastPush::*address;
-  size_t bytes;
+  const HitInfo* info;
+  size_t bytes;  // per ray
   std::byte* target;
 };
 
 // Returns those that are needed.
-std::vector<HitArray> arraysOf(const CastTargets& t) {
-  using shared::CastPush;
+std::vector<HitArray> arraysOf(const CastTargets& targets) {
   std::vector<HitArray> arrays;
-  const auto add = [&](uint64_t CastPush::*address, auto* target) {
-    if (target) arrays.push_back({address, sizeof(*target), reinterpret_cast<std::byte*>(target)});
+  const auto add = [&](const HitInfo& info, auto* target) {
+    if (target) arrays.push_back({&info, sizeof(*target), reinterpret_cast<std::byte*>(target)});
   };
-  add(&CastPush::distance, t.distance);
-  add(&CastPush::position, t.position);
-  add(&CastPush::normal, t.normal);
-  add(&CastPush::geonormal, t.geonormal);
-  add(&CastPush::uv, t.uv);
-  add(&CastPush::id, t.id);
-  add(&CastPush::part, t.part);
-  add(&CastPush::material, t.material);
-  add(&CastPush::triangle, t.triangle);
-  add(&CastPush::intensity, t.intensity);
+  forEachHitArray(add, targets);
   return arrays;
 }
 
@@ -142,7 +132,7 @@ graph::BufferId addCast(const Builder& b, const CastCall& call, const vk::Buffer
                                      .perWorld = count};
                VkDeviceAddress at = context.buffer(hits).address();
                for (const HitArray& array : arrays) {
-                 push.*array.address = at;
+                 push.*array.info->address = at;
                  at += rayCount * array.bytes;
                }
                return push;
@@ -172,24 +162,17 @@ uint32_t flagsOf(const scene::Scene& scene, const Settings& settings, bool doubl
 }  // namespace
 
 std::span<const HitInfo> hitInfos() {
-  using shared::CastPush;
-  static constexpr HitInfo kInfos[] = {{"distance", &CastPush::distance, 1, false},
-                                       {"position", &CastPush::position, 3, false},
-                                       {"normal", &CastPush::normal, 3, false},
-                                       {"geonormal", &CastPush::geonormal, 3, false},
-                                       {"uv", &CastPush::uv, 2, false},
-                                       {"id", &CastPush::id, 1, true},
-                                       {"part", &CastPush::part, 1, true},
-                                       {"material", &CastPush::material, 1, true},
-                                       {"triangle", &CastPush::triangle, 1, true},
-                                       {"intensity", &CastPush::intensity, 1, false}};
+  static constexpr HitInfo kInfos[] = {
+#define HIT_ARRAY(name, element, channels) \
+  {#name, &shared::CastPush::name, channels, std::is_same_v<element, uint32_t>},
+#include "render/rays/hits.def"
+  };
   return kInfos;
 }
 
 std::vector<WorldCast::Target> worldTargets(const CastTargets& targets) {
   std::vector<WorldCast::Target> all;
-  for (const HitArray& array : arraysOf(targets))
-    all.push_back({&*std::ranges::find(hitInfos(), array.address, &HitInfo::address), array.target});
+  for (const HitArray& array : arraysOf(targets)) all.push_back({array.info, array.target});
   return all;
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "base/huge_pages.h"
@@ -27,24 +28,38 @@ struct CastRays {
   std::span<const glm::vec3> floatOrigins{}, floatDirections{};  // in place of `origins` and `directions`
 };
 
+// A ray's value in an array of hits.
+template <typename Element, int channels>
+using HitValue = std::conditional_t<channels == 1, Element, glm::vec<channels, Element>>;
+
 // Where hits are stored, one value per ray, as in CastHits. Null: not needed.
 struct CastTargets {
-  float* distance = nullptr;
-  glm::vec3 *position = nullptr, *normal = nullptr, *geonormal = nullptr;
-  glm::vec2* uv = nullptr;
-  uint32_t *id = nullptr, *part = nullptr, *material = nullptr, *triangle = nullptr;
-  float* intensity = nullptr;
+#define HIT_ARRAY(name, element, channels) HitValue<element, channels>* name = nullptr;
+#include "render/rays/hits.def"
 };
 
 // One value per ray. Rays that hit nothing have an infinite distance and zeros, as the background in data outputs.
 struct CastHits {
-  std::vector<float> distance;                         // meters along the ray
-  std::vector<glm::vec3> position, normal, geonormal;  // as the outputs of these names
-  std::vector<glm::vec2> uv;
-  std::vector<uint32_t> id, part, material;
-  std::vector<uint32_t> triangle;  // index in the mesh of the part
-  std::vector<float> intensity;    // reflectance at normal incidence times the cosine of the angle of incidence
+#define HIT_ARRAY(name, element, channels) std::vector<HitValue<element, channels>> name;
+#include "render/rays/hits.def"
 };
+
+// An array of hits: its name, the member of CastPush that has its address, and its elements per ray.
+struct HitInfo {
+  std::string_view name;
+  uint64_t shared::CastPush::*address;
+  uint32_t channels;
+  bool integers;  // 32 bits, as floats have
+};
+std::span<const HitInfo> hitInfos();  // in the order of hits.def
+
+// Calls `visit` for every array of hits, with its description and its member of each of the structs.
+template <typename Visit, typename... Structs>
+void forEachHitArray(const Visit& visit, Structs&... structs) {
+  const HitInfo* info = hitInfos().data();
+#define HIT_ARRAY(name, element, channels) visit(*info++, structs.name...);
+#include "render/rays/hits.def"
+}
 
 // All arrays of a struct of hits, which are cleared in the background. Each array on its own thread, because the system
 // clears the memory of large ones page by page.
@@ -53,16 +68,13 @@ class HitMemory {
  public:
   HitMemory(Hits& hits, size_t count) {
     std::vector<std::function<void()>> clear;
-    const auto add = [&](auto& values) {
+    const auto add = [&](const HitInfo&, auto& values, auto& target) {
       values.reserve(count);
       adviseHugePages(values.data(), count * sizeof(values[0]));
       clear.push_back([&values, count] { values.resize(count); });
+      target = values.data();
     };
-    add(hits.distance), add(hits.position), add(hits.normal), add(hits.geonormal), add(hits.uv);
-    add(hits.id), add(hits.part), add(hits.material), add(hits.triangle), add(hits.intensity);
-    targets_ = {hits.distance.data(), hits.position.data(), hits.normal.data(), hits.geonormal.data(),
-                hits.uv.data(),       hits.id.data(),       hits.part.data(),   hits.material.data(),
-                hits.triangle.data(), hits.intensity.data()};
+    forEachHitArray(add, hits, targets_);
     cleared_ = inBackground([clear = std::move(clear)] {
       parallelFor(clear.size(), 1, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) clear[i]();
@@ -98,15 +110,6 @@ struct CastResult {
   RenderStatistics statistics;
   uint64_t bvhBytes = 0;  // device memory of the scene's BVHs
 };
-
-// An array of hits: its name, the member of CastPush that has its address, and its elements per ray.
-struct HitInfo {
-  std::string_view name;
-  uint64_t shared::CastPush::*address;
-  uint32_t channels;
-  bool integers;  // 32 bits, as floats have
-};
-std::span<const HitInfo> hitInfos();
 
 inline constexpr uint64_t kMaxWorldRays = uint64_t{1} << 31;  // of all worlds of a call, which a shader numbers
 
