@@ -12,10 +12,7 @@
 #include "export/nodes.h"
 
 #include <algorithm>
-#include <cmath>
-#include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -23,52 +20,17 @@
 #include <utility>
 
 #include "base/log.h"
+#include "export/document_nodes.h"
 #include "export/meshes.h"
 #include "scene/decompose.h"
-#include "scene/light_types.h"
 #include "scene/objects.h"
 #include "scene/rig_edit.h"
 #include "scene/tangents.h"
-#include "shared/light.h"
 
 namespace latelight::exports {
 namespace {
 
 using namespace scene;
-
-Json matrixOf(const dmat4& m) {
-  Json array = Json::array();
-  for (int i = 0; i < 16; ++i) array.push_back(m[i / 4][i % 4]);
-  return array;
-}
-
-void setMatrix(Json& node, const dmat4& m) {
-  if (m != dmat4(1)) node["matrix"] = matrixOf(m);
-}
-
-template <int N>
-Json numbersOf(const glm::vec<N, double>& v) {
-  Json array = Json::array();
-  for (int i = 0; i < N; ++i) array.push_back(v[i]);
-  return array;
-}
-
-dmat4 inFile(const dmat4& toWorld) {
-  return toGltfFromWorld() * toWorld;
-}
-
-// Writes a transform as a node of the scene states it.
-void setTransform(Json& node, const RigNode& source) {
-  if (source.hasMatrix) return setMatrix(node, source.matrix);
-  if (source.translation != dvec3(0)) node["translation"] = numbersOf(source.translation);
-  if (source.rotation != glm::dvec4(0, 0, 0, 1)) node["rotation"] = numbersOf(source.rotation);
-  if (source.scale != dvec3(1)) node["scale"] = numbersOf(source.scale);
-}
-
-// Writes a transform that no node of the scene states.
-void setTransform(Json& node, const dmat4& local, dvec3 scaleSigns) {
-  setTransform(node, nodeWithTransform(local, scaleSigns));
-}
 
 bool flattens(const dmat4& toWorld) {
   return glm::determinant(toWorld) == 0;
@@ -87,7 +49,11 @@ struct Group {
 class NodeWriter {
  public:
   NodeWriter(const Scene& scene, Document& document, Exported& exported)
-      : scene_(scene), document_(document), exported_(exported), meshes_(scene, document) {
+      : scene_(scene),
+        document_(document),
+        exported_(exported),
+        meshes_(scene, document),
+        nodes_{.document = document} {
     for (const VariantMaterial& v : scene.variantMaterials) {
       variants_[v.instance].push_back({v.variant, exported.materials[v.material]});
       if (requiresOtherTangents(v)) omitsTangents_.insert(v.instance);
@@ -101,9 +67,9 @@ class NodeWriter {
     else
       addRigNodes();
     for (uint32_t node = 0; node < scene_.nodes.size(); ++node)
-      if (nodes_[node] >= 0) addMeshes(node);
-    addLights();
-    addCameras();
+      if (nodes_.ofScene[node] >= 0) addMeshes(node);
+    addLights(scene_, nodes_, exported_.lights);
+    addCameras(scene_, nodes_, exported_.cameras);
     keepPaths();
     Json scene = Json::object();  // without nodes if there are none, because a list has at least one
     for (const size_t root : findRoots()) arrayIn(scene, "nodes").push_back(root);
@@ -112,8 +78,6 @@ class NodeWriter {
   }
 
  private:
-  Json& at(int node) { return document_.root["nodes"][static_cast<size_t>(node)]; }
-
   // True if the mesh's tangents were generated for the instance's material, and those that the variant requires differ.
   // A file without tangents leads to both.
   bool requiresOtherTangents(const VariantMaterial& v) const {
@@ -121,13 +85,6 @@ class NodeWriter {
     const std::optional<TangentSpace>& space = meshes_.meshAt(instance.mesh).tangentSpace;
     const auto required = tangentSpaceOf(scene_.materials[v.material]);
     return space && space == tangentSpaceOf(scene_.materials[instance.material]) && required && required != space;
-  }
-
-  int addNode(Json node, int parent) {
-    const auto index = static_cast<int>(document_.add("nodes", std::move(node)));
-    parents_.push_back(parent);
-    if (parent >= 0) arrayIn(at(parent), "children").push_back(index);
-    return index;
   }
 
   // Instances that follow an animated node are at one place.
@@ -162,15 +119,15 @@ class NodeWriter {
   // their names do not change the paths of others.
   std::vector<size_t> findRoots() const {
     std::vector<size_t> roots;
-    for (size_t i = 0; i < parents_.size(); ++i)
-      if (parents_[i] < 0 && !isOutside(i)) roots.push_back(i);
+    for (size_t i = 0; i < nodes_.parents.size(); ++i)
+      if (nodes_.parents[i] < 0 && !isOutside(i)) roots.push_back(i);
     std::set<size_t> ofJoints;
     for (const std::vector<Group>& groups : groups_)
       for (const Group& group : groups) {
         if (group.skin < 0) continue;
         for (size_t joint : scene_.rig.skins[size_t(group.skin)].joints) {
           if (!isOutside(joint)) continue;
-          while (parents_[joint] >= 0) joint = size_t(parents_[joint]);
+          while (nodes_.parents[joint] >= 0) joint = size_t(nodes_.parents[joint]);
           ofJoints.insert(joint);
         }
       }
@@ -186,18 +143,18 @@ class NodeWriter {
   // The place of a node, or that of its instances if an edit or a skin has moved all of them. Its path is that of its
   // mesh, so the mesh stays at the node; nodes below get local transforms that keep them where they are.
   void findPlaces() {
-    places_.resize(scene_.nodes.size());
-    for (size_t i = 0; i < places_.size(); ++i) {
+    nodes_.places.resize(scene_.nodes.size());
+    for (size_t i = 0; i < nodes_.places.size(); ++i) {
       const bool movesAlone = groups_[i].size() == 1 && groups_[i][0].copy < 0 && !flattens(groups_[i][0].toWorld);
-      places_[i] = movesAlone ? groups_[i][0].toWorld : scene_.nodes[i].toWorld;
+      nodes_.places[i] = movesAlone ? groups_[i][0].toWorld : scene_.nodes[i].toWorld;
     }
   }
 
   bool isRoot(size_t i) const {
     const Node& node = scene_.nodes[i];
     if (node.parent < 0) return true;
-    const dmat4& parent = places_[size_t(node.parent)];
-    return flattens(parent) && parent * node.local != places_[i];
+    const dmat4& parent = nodes_.places[size_t(node.parent)];
+    return flattens(parent) && parent * node.local != nodes_.places[i];
   }
 
   void warnOfRoot(const std::string& name) const {
@@ -206,9 +163,10 @@ class NodeWriter {
 
   dmat4 localOf(size_t i) const {
     const Node& node = scene_.nodes[i];
-    if (isRoot(i)) return scene_.yUp && toWorldFromGltf() * node.local == places_[i] ? node.local : inFile(places_[i]);
-    const dmat4& parent = places_[size_t(node.parent)];
-    return parent * node.local == places_[i] ? node.local : glm::inverse(parent) * places_[i];
+    if (isRoot(i))
+      return scene_.yUp && toWorldFromGltf() * node.local == nodes_.places[i] ? node.local : inFile(nodes_.places[i]);
+    const dmat4& parent = nodes_.places[size_t(node.parent)];
+    return parent * node.local == nodes_.places[i] ? node.local : glm::inverse(parent) * nodes_.places[i];
   }
 
   // Finds the nodes to hide. A scene without a rig knows only which instances and lights are hidden. A node can be
@@ -223,19 +181,19 @@ class NodeWriter {
       if (!light.removed && light.node >= 0) note(size_t(light.node), light.hidden);
     for (size_t i = count; i-- > 0;)
       if (scene_.nodes[i].parent >= 0 && hasVisible[i]) hasVisible[size_t(scene_.nodes[i].parent)] = true;
-    isHidden_.resize(count);
+    nodes_.isHidden.resize(count);
     for (size_t i = 0; i < count; ++i) {
       const bool hiddenInFile = i < scene_.fileNodes.size() && !scene_.fileNodes[i].visible;
-      isHidden_[i] = isBelowHidden(i) || (!hasVisible[i] && (hasHidden[i] || hiddenInFile));
+      nodes_.isHidden[i] = isBelowHidden(i) || (!hasVisible[i] && (hasHidden[i] || hiddenInFile));
     }
   }
 
-  bool isBelowHidden(size_t i) const { return !isRoot(i) && isHidden_[size_t(scene_.nodes[i].parent)]; }
+  bool isBelowHidden(size_t i) const { return !isRoot(i) && nodes_.isHidden[size_t(scene_.nodes[i].parent)]; }
 
   void addSceneNodes() {
     findPlaces();
     findHidden();
-    nodes_.assign(scene_.nodes.size(), -1);
+    nodes_.ofScene.assign(scene_.nodes.size(), -1);
     std::vector<bool> isFree(scene_.nodes.size());
     for (const uint32_t free : scene_.edits.freeNodes) isFree[free] = true;
     for (size_t i = 0; i < scene_.nodes.size(); ++i) {
@@ -246,11 +204,11 @@ class NodeWriter {
         setTransform(node, scene_.fileNodes[i]);
       else
         setTransform(node, local, nodeScaleSigns(scene_, static_cast<uint32_t>(i)));
-      if (isHidden_[i] && !isBelowHidden(i)) hide(node);
+      if (nodes_.isHidden[i] && !isBelowHidden(i)) nodes_.hide(node);
       const int parent = scene_.nodes[i].parent;
       const bool root = isRoot(i);
       if (root && parent >= 0) warnOfRoot(scene_.nodes[i].name);
-      nodes_[i] = addNode(std::move(node), root ? -1 : nodes_[size_t(parent)]);
+      nodes_.ofScene[i] = nodes_.add(std::move(node), root ? -1 : nodes_.ofScene[size_t(parent)]);
     }
   }
 
@@ -287,8 +245,8 @@ class NodeWriter {
     const Rig& rig = scene_.rig;
     const std::vector<bool> isFollowed = findFollowed();
     isMoving_ = findMoving();
-    places_.resize(scene_.nodes.size());
-    for (size_t i = 0; i < places_.size(); ++i) places_[i] = scene_.nodes[i].toWorld;
+    nodes_.places.resize(scene_.nodes.size());
+    for (size_t i = 0; i < nodes_.places.size(); ++i) nodes_.places[i] = scene_.nodes[i].toWorld;
     std::vector<const Node*> source(rig.nodes.size());
     std::vector<std::optional<RigNode>> edited(rig.nodes.size());  // nodes that an edit has moved
     for (size_t i = 0; i < rig.sceneNodes.size(); ++i) {
@@ -296,39 +254,38 @@ class NodeWriter {
       source[node] = &scene_.nodes[i];
       const bool isPlaced = groups_[i].size() == 1 && !groups_[i][0].follows && groups_[i][0].copy < 0;
       if (!isPlaced || isFollowed[node] || isMoving_[node]) continue;
-      places_[i] = groups_[i][0].toWorld;
+      nodes_.places[i] = groups_[i][0].toWorld;
       edited[node] = nodeWithTransform(localOf(i), nodeScaleSigns(scene_, static_cast<uint32_t>(i)));
     }
     for (size_t i = 0; i < rig.nodes.size(); ++i) {
       Json node{{"name", source[i] ? source[i]->name : fmt::format("node{}", i)}};
       setTransform(node, edited[i] ? *edited[i] : rig.nodes[i]);
-      if (!rig.nodes[i].visible) hide(node);
+      if (!rig.nodes[i].visible) nodes_.hide(node);
       document_.add("nodes", std::move(node));
-      parents_.push_back(rig.nodes[i].parent);
+      nodes_.parents.push_back(rig.nodes[i].parent);
       exported_.rigNodes.push_back(static_cast<int>(i));
     }
     for (size_t i = 0; i < rig.nodes.size(); ++i)
-      if (parents_[i] >= 0) arrayIn(at(parents_[i]), "children").push_back(i);
-    nodes_.assign(rig.sceneNodes.begin(), rig.sceneNodes.end());
+      if (nodes_.parents[i] >= 0) arrayIn(nodes_.at(nodes_.parents[i]), "children").push_back(i);
+    nodes_.ofScene.assign(rig.sceneNodes.begin(), rig.sceneNodes.end());
     isOutside_.assign(rig.nodes.size(), true);
-    for (size_t i = 0; i < nodes_.size(); ++i) {
-      isOutside_[size_t(nodes_[i])] = false;
-      if (scene_.nodes[i].parent < 0) parents_[size_t(nodes_[i])] = -1;  // a scene may list a node below another one
+    for (size_t i = 0; i < nodes_.ofScene.size(); ++i) {
+      isOutside_[size_t(nodes_.ofScene[i])] = false;
+      if (scene_.nodes[i].parent < 0)
+        nodes_.parents[size_t(nodes_.ofScene[i])] = -1;  // a scene may list a node below another one
     }
-    isHidden_.resize(scene_.nodes.size());
-    for (uint32_t i = 0; i < rig.sceneNodes.size(); ++i) isHidden_[i] = isHiddenAtRest(scene_, i);
-    for (size_t i = nodes_.size(); i < scene_.nodes.size(); ++i) {
+    nodes_.isHidden.resize(scene_.nodes.size());
+    for (uint32_t i = 0; i < rig.sceneNodes.size(); ++i) nodes_.isHidden[i] = isHiddenAtRest(scene_, i);
+    for (size_t i = nodes_.ofScene.size(); i < scene_.nodes.size(); ++i) {
       if (scene_.nodes[i].path.empty()) {  // removed
-        nodes_.push_back(-1);
+        nodes_.ofScene.push_back(-1);
         continue;
       }
       Json node{{"name", scene_.nodes[i].name}};
-      setTransform(node, inFile(places_[i]), nodeScaleSigns(scene_, static_cast<uint32_t>(i)));
-      nodes_.push_back(addNode(std::move(node), -1));
+      setTransform(node, inFile(nodes_.places[i]), nodeScaleSigns(scene_, static_cast<uint32_t>(i)));
+      nodes_.ofScene.push_back(nodes_.add(std::move(node), -1));
     }
   }
-
-  void hide(Json& node) { document_.extension(node, "KHR_node_visibility")["visible"] = false; }
 
   bool isEmpty(const Group& group) const {
     return std::ranges::all_of(group.instances,
@@ -342,12 +299,12 @@ class NodeWriter {
     for (const Group& group : groups_[node]) {
       if (isEmpty(group)) continue;
       const bool moves = node < scene_.rig.sceneNodes.size() && isMoving_[scene_.rig.sceneNodes[node]];
-      const bool isAtNode = group.copy < 0 && (group.follows || (group.toWorld == places_[node] && !moves));
+      const bool isAtNode = group.copy < 0 && (group.follows || (group.toWorld == nodes_.places[node] && !moves));
       const bool isStillCopy = group.copy >= 0 && !moves;  // stays below its node, so that its path and ids stay, too
-      if (isAtNode && !isUsed && (group.follows || group.hidden == isHidden_[node])) {
+      if (isAtNode && !isUsed && (group.follows || group.hidden == nodes_.isHidden[node])) {
         isUsed = true;
-        setMesh(node, nodes_[node], group);
-        if (!group.follows) placeSkin(group, nodes_[node]);
+        setMesh(node, nodes_.ofScene[node], group);
+        if (!group.follows) placeSkin(group, nodes_.ofScene[node]);
       } else if (group.follows || scene_.rig.empty() || node >= scene_.rig.sceneNodes.size() || isStillCopy) {
         addBelow(node, group);
       } else {
@@ -360,8 +317,8 @@ class NodeWriter {
   void addPlaced(uint32_t node, const Group& group) {
     Json placed{{"name", scene_.nodes[node].name}};
     setTransform(placed, inFile(group.toWorld), instanceScaleSigns(scene_, group.instances[0]));
-    if (group.hidden) hide(placed);
-    const int index = addNode(std::move(placed), -1);
+    if (group.hidden) nodes_.hide(placed);
+    const int index = nodes_.add(std::move(placed), -1);
     setMesh(node, index, group);
     placeSkin(group, index);
   }
@@ -371,16 +328,16 @@ class NodeWriter {
     if (group.skin < 0) return;
     Json skeleton{{"name", "skeleton"}};
     setMatrix(skeleton, glm::translate(dmat4(1), -scene_.rig.skins[size_t(group.skin)].origin));
-    at(place)["skin"] = copySkin(group.skin, addNode(std::move(skeleton), place));
+    nodes_.at(place)["skin"] = copySkin(group.skin, nodes_.add(std::move(skeleton), place));
   }
 
   // Adds the joints of a copy's skin again. They are not below the copy's node, because the nodes above it, which may
   // be animated, do not move a skinned mesh.
   void placeSkinOfCopy(const Group& group, int copy) {
     if (group.skin < 0) return;
-    Json skeleton{{"name", fmt::format("{} skeleton", at(copy)["name"].get<std::string>())}};
+    Json skeleton{{"name", fmt::format("{} skeleton", nodes_.at(copy)["name"].get<std::string>())}};
     setOffset(skeleton, group);
-    at(copy)["skin"] = copySkin(group.skin, addNode(std::move(skeleton), -1));
+    nodes_.at(copy)["skin"] = copySkin(group.skin, nodes_.add(std::move(skeleton), -1));
   }
 
   // Adds the joints of a skin again, with the nodes above them, below a node. Returns the index of the skin with these.
@@ -394,10 +351,10 @@ class NodeWriter {
     std::vector<int> copies(rig.nodes.size(), below);
     for (const uint32_t i : rig.order) {
       if (!isNeeded[i]) continue;
-      Json copy{{"name", at(exported_.rigNodes[i])["name"]}};
+      Json copy{{"name", nodes_.at(exported_.rigNodes[i])["name"]}};
       setTransform(copy, rig.nodes[i]);
       const size_t above = rig.nodes[i].parent < 0 ? i : size_t(rig.nodes[i].parent);
-      copies[i] = addNode(std::move(copy), copies[above]);
+      copies[i] = nodes_.add(std::move(copy), copies[above]);
       exported_.movedCopies.emplace(i, copies[i]);
     }
     SkinCopy copy{size_t(index), {}};
@@ -421,11 +378,11 @@ class NodeWriter {
     if (group.copy < 0) return false;
     if (group.follows) return true;
     const dmat4 offset = nodeFromCopy(scene_.fileCopies.at(node), static_cast<size_t>(group.copy));
-    return places_[node] * offset == group.toWorld;
+    return nodes_.places[node] * offset == group.toWorld;
   }
 
   void addBelow(uint32_t node, const Group& group) {
-    const dmat4& parent = places_[node];
+    const dmat4& parent = nodes_.places[node];
     const bool hasOffset = isAtOffset(node, group);
     const bool leavesParent = !hasOffset && group.toWorld != parent && flattens(parent);
     const std::string name = group.copy >= 0 ? fmt::format("instance{}", group.copy) : scene_.nodes[node].mesh;
@@ -437,8 +394,8 @@ class NodeWriter {
     else if (group.toWorld != parent)
       setTransform(below, glm::inverse(parent) * group.toWorld, copyScaleSigns(scene_, group.instances[0]));
     if (leavesParent) warnOfRoot(name);
-    const int index = addNode(std::move(below), leavesParent ? -1 : nodes_[node]);
-    if (group.hidden && (leavesParent || !isHidden_[node])) hide(at(index));
+    const int index = nodes_.add(std::move(below), leavesParent ? -1 : nodes_.ofScene[node]);
+    if (group.hidden && (leavesParent || !nodes_.isHidden[node])) nodes_.hide(nodes_.at(index));
     setMesh(node, index, group);
     if (group.follows && group.copy >= 0)
       placeSkinOfCopy(group, index);
@@ -459,13 +416,13 @@ class NodeWriter {
       if (const auto& own = scene_.meshes[instance.mesh].deformation) deformation = own.get();
     }
     // Meshes are named after the node's; a mesh of several primitives has the numbers of these in the scene's names.
-    at(index)["mesh"] = meshes_.add(scene_.nodes[node].mesh, primitives);
-    if (group.skin >= 0) at(index)["skin"] = group.skin;
+    nodes_.at(index)["mesh"] = meshes_.add(scene_.nodes[node].mesh, primitives);
+    if (group.skin >= 0) nodes_.at(index)["skin"] = group.skin;
     if (!deformation || deformation->weightsNode < 0) return;
     const auto source = static_cast<uint32_t>(deformation->weightsNode);
     Json weights = Json::array();
     for (const float weight : scene_.rig.nodes[source].weights) weights.push_back(shortest(weight));
-    if (!weights.empty()) at(index)["weights"] = std::move(weights);
+    if (!weights.empty()) nodes_.at(index)["weights"] = std::move(weights);
     if (exported_.rigNodes[source] != index) exported_.morphedCopies.emplace(source, index);
   }
 
@@ -474,21 +431,21 @@ class NodeWriter {
   // Loading appends "#2" and so on to the paths of siblings of equal names, in their order. Where the scene's path has
   // another number, because an edit has removed or added siblings, the node's name becomes the path's last part.
   void keepPaths() {
-    std::vector<int> sources(parents_.size(), -1);  // nodes of the scene, per node of the document
-    for (size_t i = 0; i < nodes_.size(); ++i)
-      if (nodes_[i] >= 0) sources[size_t(nodes_[i])] = static_cast<int>(i);
+    std::vector<int> sources(nodes_.parents.size(), -1);  // nodes of the scene, per node of the document
+    for (size_t i = 0; i < nodes_.ofScene.size(); ++i)
+      if (nodes_.ofScene[i] >= 0) sources[size_t(nodes_.ofScene[i])] = static_cast<int>(i);
     std::set<std::pair<int, std::string>> used;               // by parent: last parts of paths
     std::map<std::pair<int, std::string>, uint32_t> numbers;  // by parent and name
     for (size_t i = 0; i < sources.size(); ++i) {
       if (isOutside(i)) continue;
-      std::string name = at(static_cast<int>(i))["name"].get<std::string>();
+      std::string name = nodes_.at(static_cast<int>(i))["name"].get<std::string>();
       if (name.empty()) name = fmt::format("node{}", i);  // as it is loaded
       std::string loaded = name;
-      uint32_t& number = numbers.try_emplace({parents_[i], name}, 1).first->second;
-      while (used.contains({parents_[i], loaded})) loaded = fmt::format("{}#{}", name, ++number);
+      uint32_t& number = numbers.try_emplace({nodes_.parents[i], name}, 1).first->second;
+      while (used.contains({nodes_.parents[i], loaded})) loaded = fmt::format("{}#{}", name, ++number);
       const std::string last = sources[i] < 0 ? loaded : lastPartOf(scene_.nodes[size_t(sources[i])], loaded);
-      used.insert({parents_[i], last});
-      if (last != loaded) at(static_cast<int>(i))["name"] = last;
+      used.insert({nodes_.parents[i], last});
+      if (last != loaded) nodes_.at(static_cast<int>(i))["name"] = last;
     }
   }
 
@@ -497,153 +454,16 @@ class NodeWriter {
     return node.path.starts_with(above) ? node.path.substr(above.size()) : otherwise;
   }
 
-  // --- lights and cameras -------------------------------------------------------------------------------------------
-
-  // The node's transform in glTF's frame, as it will be loaded.
-  dmat4 placeOf(int node) const { return inFile(places_[size_t(node)]); }
-
-  void addLights() {
-    exported_.lights.assign(scene_.lights.size(), -1);
-    for (size_t i = 0; i < scene_.lights.size(); ++i) {
-      const Light& light = scene_.lights[i];
-      if (light.removed) continue;
-      if (shared::lightIsArea(light.type)) {
-        objectIn(at(nodeOf(light)), "extras")["areaLight"] = describeArea(light);
-        continue;
-      }
-      Json& lights = arrayIn(document_.extension(document_.root, "KHR_lights_punctual"), "lights");
-      exported_.lights[i] = static_cast<int>(lights.size());
-      lights.push_back(describe(light));
-      Json& node = at(nodeOf(light));
-      document_.extension(node, "KHR_lights_punctual")["light"] = exported_.lights[i];
-    }
-  }
-
-  // glTF's colors are at most 1. The divisor of others is a power of two, so that the product with the intensity is
-  // exact.
-  static Json describe(const Light& light) {
-    const float largest = std::max({light.color.x, light.color.y, light.color.z});
-    const float divisor = largest > 1 ? std::exp2(std::ceil(std::log2(largest))) : 1;
-    Json out{{"type", lightTypes()[light.type].name}, {"intensity", shortest(light.intensity * divisor)}};
-    if (!light.name.empty()) out["name"] = light.name;
-    if (light.color != vec3(1)) out["color"] = arrayOf(light.color / divisor);
-    if (light.range) out["range"] = shortest(*light.range);
-    if (shared::lightHasCone(light.type)) out["spot"] = describeCone(light);
-    const bool isDirectional = shared::lightIsDirectional(light.type);
-    if (light.size > 0)
-      objectIn(out, "extras")[isDirectional ? "angle" : "radius"] =
-          isDirectional ? double{light.size} * 180 / M_PI : shortest(light.size);
-    if (light.castShadow) objectIn(out, "extras")["castShadow"] = *light.castShadow;
-    return out;
-  }
-
-  // The outer angle is above 0 and at most a right angle, which floats round up, and the inner angle is below it
-  // (KHR_lights_punctual). The largest float below the outer angle has the same cosine, up to rounding.
-  static Json describeCone(const Light& light) {
-    const float outer = std::clamp(light.outerCone, std::numeric_limits<float>::min(), glm::half_pi<float>());
-    const float inner = std::min(light.innerCone, std::nextafter(outer, 0.0f));
-    return {{"innerConeAngle", shortest(inner)}, {"outerConeAngle", std::min(shortest(outer), M_PI / 2)}};
-  }
-
-  // The extras of scene/gltf/area_lights.h.
-  static Json describeArea(const Light& light) {
-    const bool isRect = light.type == shared::kLightRect;
-    const double size = isRect ? shortest(light.height) : 2 * shortest(light.size);
-    Json out{{"type", lightTypes()[light.type].name}, {"intensity", shortest(light.intensity)}, {"size", size}};
-    if (!light.name.empty()) out["name"] = light.name;
-    if (light.color != vec3(1)) out["color"] = arrayOf(light.color);
-    if (isRect && light.width != light.height) objectIn(out, "rect")["aspect"] = light.width / size;
-    if (light.type == shared::kLightTube) objectIn(out, "tube")["length"] = shortest(light.length);
-    if (light.twoSided) out["twoSided"] = true;
-    if (light.castShadow) out["castShadow"] = *light.castShadow;
-    return out;
-  }
-
-  // Returns the light's node if that places it, hides it as it is hidden at rest, and has no other light; otherwise a
-  // new node.
-  int nodeOf(const Light& light) {
-    const int own = light.node >= 0 ? nodes_[size_t(light.node)] : -1;
-    const bool isArea = shared::lightIsArea(light.type);
-    const auto kept = isArea ? "/extras/areaLight"_json_pointer : "/extensions/KHR_lights_punctual"_json_pointer;
-    if (own >= 0 && light.hidden == isHidden_[size_t(light.node)] && !at(own).contains(kept)) {
-      Light placed = light;
-      placeLight(placed, placeOf(light.node));
-      if (placed == light) return own;
-    }
-    const dvec3 position(toGltfFromWorld() * glm::dvec4(light.position, 1));
-    if (isArea) {
-      dmat4 place = toGltfFromWorld() * dmat4(glm::dmat3(light.axes));
-      place[3] = glm::dvec4(position, 1);
-      Json node{{"name", light.name.empty() ? "light" : light.name}};
-      setTransform(node, place, dvec3(1));
-      if (light.hidden) hide(node);
-      return addNode(std::move(node), -1);
-    }
-    const dvec3 back = -glm::normalize(dvec3(toGltfFromWorld() * glm::dvec4(light.direction, 0)));
-    const dvec3 side = glm::normalize(glm::cross(std::abs(back.y) < 0.9 ? dvec3(0, 1, 0) : dvec3(1, 0, 0), back));
-    Json node{{"name", light.name.empty() ? "light" : light.name}};
-    setMatrix(node, dmat4(glm::dvec4(side, 0), glm::dvec4(glm::cross(back, side), 0), glm::dvec4(back, 0),
-                          glm::dvec4(position, 1)));
-    if (light.hidden) hide(node);
-    return addNode(std::move(node), -1);
-  }
-
-  void addCameras() {
-    exported_.cameras.assign(scene_.cameras.size(), -1);
-    for (size_t i = 0; i < scene_.cameras.size(); ++i) {
-      const Camera& camera = scene_.cameras[i];
-      if (camera.lens || camera.principal != vec2(0)) {
-        warn("the camera {} has a lens or a shifted center, which glTF does not define, and is left out", camera.name);
-        continue;
-      }
-      exported_.cameras[i] = static_cast<int>(document_.add("cameras", describe(camera)));
-      at(nodeOf(camera))["camera"] = exported_.cameras[i];
-    }
-  }
-
-  static Json describe(const Camera& camera) {
-    Json projection{{"znear", shortest(camera.nearClip)}};
-    if (std::isfinite(camera.farClip)) projection["zfar"] = shortest(camera.farClip);
-    if (camera.orthographic) {
-      constexpr double kFar = 1e6;  // meters, for a camera that sees to infinity, which glTF does not define
-      if (!std::isfinite(camera.farClip)) projection["zfar"] = kFar;
-      projection["xmag"] = shortest(camera.yHalf * camera.aspect.value_or(1));
-      projection["ymag"] = shortest(camera.yHalf);
-    } else {
-      projection["yfov"] = shortest(camera.verticalFov);
-      if (camera.aspect) projection["aspectRatio"] = shortest(*camera.aspect);
-    }
-    const char* type = camera.orthographic ? "orthographic" : "perspective";
-    Json out{{"type", type}, {type, std::move(projection)}};
-    if (!camera.name.empty()) out["name"] = camera.name;
-    return out;
-  }
-
-  int nodeOf(const Camera& camera) {
-    const int own = camera.node >= 0 ? nodes_[size_t(camera.node)] : -1;
-    if (own >= 0 && !at(own).contains("camera")) {
-      Camera placed = camera;
-      placeCamera(placed, placeOf(camera.node));
-      if (placed.toWorld == camera.toWorld) return own;
-    }
-    Json node{{"name", camera.name.empty() ? "camera" : camera.name}};
-    setMatrix(node, toGltfFromWorld() * camera.toWorld * toWorldFromGltf());
-    return addNode(std::move(node), -1);
-  }
-
   const Scene& scene_;
   Document& document_;
   Exported& exported_;
   MeshWriter meshes_;
+  DocumentNodes nodes_;
   std::map<uint32_t, std::vector<std::pair<uint32_t, int>>> variants_;  // by instance
   std::set<uint32_t> omitsTangents_;                                    // instances: requiresOtherTangents()
   std::vector<std::vector<Group>> groups_;                              // per node of the scene
-  std::vector<dmat4> places_;                                           // per node of the scene, to the world
   std::vector<bool> isMoving_;                                          // per node of the rig
-  std::vector<bool> isHidden_;                                          // per node of the scene: at rest, in the file
   std::vector<bool> isOutside_;                                         // per node of the rig: not in the scene
-  std::vector<int> nodes_;                                              // per node of the scene, in the document
-  std::vector<int> parents_;                                            // per node of the document
 };
 
 }  // namespace
