@@ -67,6 +67,12 @@ std::string Categories::named(const output::IdEntry& entry, const output::IdMani
   return name.empty() ? entry.node : name;
 }
 
+std::vector<uint64_t> Categories::countsOf(std::span<const Json> frames) {
+  std::vector<uint64_t> counts;
+  for (const Json& frame : frames) counts.push_back(frame["objects"].size());
+  return counts;
+}
+
 void Categories::warnIfUnused(std::span<const uint64_t> counts) const {
   if (rules_.empty() || counts.empty() || std::ranges::any_of(counts, [](uint64_t count) { return count > 0; })) return;
   warn(

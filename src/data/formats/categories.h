@@ -24,6 +24,9 @@ class Categories {
   // object is then excluded.
   std::string of(uint32_t id, const output::IdManifest& ids) const;
 
+  // Returns the number of objects of each frame's entry, which has "objects" with a "category" each.
+  static std::vector<uint64_t> countsOf(std::span<const nlohmann::ordered_json> frames);
+
   // Warns if there are rules and no object of a set has a category, so that formats omit all objects. `counts`: the
   // number of objects with a category by frame.
   void warnIfUnused(std::span<const uint64_t> counts) const;

@@ -94,8 +94,7 @@ class Coco : public Format {
     const std::span<const Json> entries = set.frames;
     std::map<std::string, uint64_t> numbers;
     const Json categories = categoriesOf(set, numbers);
-    std::vector<uint64_t> counts(entries.size());
-    for (size_t i = 0; i < entries.size(); ++i) counts[i] = entries[i]["objects"].size();
+    const std::vector<uint64_t> counts = Categories::countsOf(entries);
     categories_.warnIfUnused(counts);
     std::vector<uint64_t> first(entries.size() + 1, 1);  // id of each picture's first annotation
     for (size_t i = 0; i < entries.size(); ++i) first[i + 1] = first[i] + counts[i];

@@ -74,9 +74,7 @@ class Yolo : public Format {
     const std::vector<std::string> names = categories_.all(set);
     std::map<std::string, uint64_t> numbers;
     for (size_t i = 0; i < names.size(); ++i) numbers[names[i]] = i;
-    std::vector<uint64_t> counts(entries.size());
-    for (size_t i = 0; i < entries.size(); ++i) counts[i] = entries[i]["objects"].size();
-    categories_.warnIfUnused(counts);
+    categories_.warnIfUnused(Categories::countsOf(entries));
     std::vector<std::string> files(entries.size());
     parallelFor(entries.size(), 16, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) files[i] = writeLabels(entries[i], numbers, folder);
