@@ -34,6 +34,7 @@ class Boxes {
   Boxes(const scene::Scene& scene, const scene::Pose& pose, bool zUp, const PlacedInstances& placed,
         const MeshVertices& vertices, const std::vector<uint64_t>* geometry)
       : scene_(scene),
+        frames_(scene),
         pose_(pose),
         geometry_(geometry),
         toWorld_(placed.toWorld),
@@ -42,8 +43,8 @@ class Boxes {
 
   Object around(uint32_t id, const Instances& instances) const {
     Object object{.id = id};
-    object.toWorld = scene::rigidOf(fromWorld_ * scene::objectToWorld(scene_, pose_, toWorld_, instances),
-                                    scene::objectScaleSigns(scene_, instances));
+    object.toWorld =
+        scene::rigidOf(fromWorld_ * frames_.toWorld(pose_, toWorld_, instances), frames_.scaleSigns(instances));
     scene::Extent extent;
     for (const uint32_t i : instances) {
       const glm::dmat4 place = glm::inverse(object.toWorld) * fromWorld_ * toWorld_[i];
@@ -77,6 +78,7 @@ class Boxes {
   }
 
   const scene::Scene& scene_;
+  scene::ObjectFrames frames_;
   const scene::Pose& pose_;
   const std::vector<uint64_t>* geometry_;   // hashes by mesh; null if shapes are not requested
   const std::vector<glm::dmat4>& toWorld_;  // world transforms by instance

@@ -80,24 +80,6 @@ dvec3 scaleSignsOf(const Scene& scene, uint32_t node) {
   return handednessOf(stated ? stated->matrix : scene.nodes[node].local) < 0 ? kMirrored : dvec3(1);
 }
 
-bool hasChildInGroup(const Scene& scene, uint32_t node) {
-  return std::ranges::any_of(scene.nodes, [&](const Node& child) {
-    return child.parent == static_cast<int>(node) && child.id == scene.nodes[node].id;
-  });
-}
-
-// Returns true if the object is a group of nodes, or of all copies of a node. That is determined by ids, because a
-// group may show only one of its instances. An instance at the topmost node of a group has its frame by itself, unless
-// joints move it.
-bool isGroup(const Scene& scene, std::span<const uint32_t> instances) {
-  return std::ranges::any_of(instances, [&](uint32_t i) {
-    const Instance& instance = scene.instances[i];
-    const bool isCopyInGroup = instance.copy >= 0 && instance.id == scene.nodes[instance.node].id;
-    return isCopyInGroup || topmost(scene, instance.node) != instance.node ||
-           (instance.posed && hasChildInGroup(scene, instance.node));
-  });
-}
-
 // Returns the signs of the scales of a node and of those above it, multiplied.
 dvec3 scaleSignsFrom(const Scene& scene, uint32_t node) {
   dvec3 signs(1);
@@ -123,11 +105,6 @@ dvec3 instanceScaleSigns(const Scene& scene, uint32_t instance) {
   const Instance& i = scene.instances[instance];
   const dvec3 signs = copyScaleSigns(scene, instance);
   return i.posed ? signs : scaleSignsFrom(scene, i.node) * signs;
-}
-
-dvec3 objectScaleSigns(const Scene& scene, std::span<const uint32_t> instances) {
-  if (!isGroup(scene, instances)) return instanceScaleSigns(scene, instances.front());
-  return scaleSignsFrom(scene, topmost(scene, scene.instances[instances.front()].node));
 }
 
 dmat4 rigidOf(const dmat4& m, dvec3 scaleSigns) {
@@ -172,12 +149,37 @@ std::optional<dmat4> commonDisplacement(const Scene& scene, const Pose& pose, st
   return displacement;
 }
 
-dmat4 objectToWorld(const Scene& scene, const Pose& pose, std::span<const dmat4> toWorld,
-                    std::span<const uint32_t> instances) {
-  if (!isGroup(scene, instances)) return toWorld[instances.front()];
-  const Instance& first = scene.instances[instances.front()];
-  const dmat4 displacement = commonDisplacement(scene, pose, toWorld, instances).value_or(dmat4(1));
-  return displacement * nodeToWorld(scene, pose, topmost(scene, first.node));
+ObjectFrames::ObjectFrames(const Scene& scene) : scene_(scene), hasChildInGroup_(scene.nodes.size()) {
+  for (const Node& child : scene.nodes) {
+    if (child.parent < 0) continue;
+    const auto parent = static_cast<size_t>(child.parent);
+    if (child.id == scene.nodes[parent].id) hasChildInGroup_[parent] = true;
+  }
+}
+
+// Returns true if the object is a group of nodes, or of all copies of a node. That is determined by ids, because a
+// group may show only one of its instances. An instance at the topmost node of a group has its frame by itself, unless
+// joints move it.
+bool ObjectFrames::isGroup(std::span<const uint32_t> instances) const {
+  return std::ranges::any_of(instances, [&](uint32_t i) {
+    const Instance& instance = scene_.instances[i];
+    const bool isCopyInGroup = instance.copy >= 0 && instance.id == scene_.nodes[instance.node].id;
+    return isCopyInGroup || topmost(scene_, instance.node) != instance.node ||
+           (instance.posed && hasChildInGroup_[instance.node]);
+  });
+}
+
+dmat4 ObjectFrames::toWorld(const Pose& pose, std::span<const dmat4> toWorld,
+                            std::span<const uint32_t> instances) const {
+  if (!isGroup(instances)) return toWorld[instances.front()];
+  const Instance& first = scene_.instances[instances.front()];
+  const dmat4 displacement = commonDisplacement(scene_, pose, toWorld, instances).value_or(dmat4(1));
+  return displacement * nodeToWorld(scene_, pose, topmost(scene_, first.node));
+}
+
+dvec3 ObjectFrames::scaleSigns(std::span<const uint32_t> instances) const {
+  if (!isGroup(instances)) return instanceScaleSigns(scene_, instances.front());
+  return scaleSignsFrom(scene_, topmost(scene_, scene_.instances[instances.front()].node));
 }
 
 void addMesh(Extent& extent, const Mesh& mesh, const dmat4& transform) {
@@ -196,10 +198,11 @@ std::vector<RestFrame> restFrames(const Scene& scene) {
   for (uint32_t i = 0; i < scene.instances.size(); ++i)
     if (!scene.instances[i].removed) objects[scene.instances[i].id].push_back(i);
   const std::vector<dmat4> toWorld = instanceTransforms(scene, {});
+  const ObjectFrames objectFrames(scene);
   std::vector<RestFrame> frames(scene.instances.size());
   for (const auto& [id, instances] : objects) {
     const dmat4 objectFromWorld =
-        glm::inverse(rigidOf(objectToWorld(scene, {}, toWorld, instances), objectScaleSigns(scene, instances)));
+        glm::inverse(rigidOf(objectFrames.toWorld({}, toWorld, instances), objectFrames.scaleSigns(instances)));
     Extent box;
     for (const uint32_t i : instances) {
       frames[i].objectFromMesh = objectFromWorld * toWorld[i];

@@ -37,15 +37,28 @@ dmat4 followedToWorld(const Scene& scene, const Pose& pose, uint32_t instance);
 std::optional<dmat4> commonDisplacement(const Scene& scene, const Pose& pose, std::span<const dmat4> toWorld,
                                         std::span<const uint32_t> instances);
 
-// Returns the world transform of the node that an object's instances belong to: of their common node, or for a group of
-// its topmost node, which edits and worlds move if they move all these instances alike. `toWorld`: of all instances.
-// rigidOf() of the result is the object's own frame.
-dmat4 objectToWorld(const Scene& scene, const Pose& pose, std::span<const dmat4> toWorld,
-                    std::span<const uint32_t> instances);
-// Returns the signs of the scales of this node and of those above it, multiplied: with them, the object's own frame has
-// the rotations that the nodes state.
-dvec3 objectScaleSigns(const Scene& scene, std::span<const uint32_t> instances);
-// Returns the same for an instance's own node and copy, also if it belongs to a group. Joints that move the instance
+// The frames of objects. Create one for all objects of a scene, which must not change meanwhile.
+class ObjectFrames {
+ public:
+  explicit ObjectFrames(const Scene& scene);
+
+  // Returns the world transform of the node that an object's instances belong to: of their common node, or for a group
+  // of its topmost node, which edits and worlds move if they move all these instances alike. `toWorld`: of all
+  // instances. rigidOf() of the result is the object's own frame.
+  dmat4 toWorld(const Pose& pose, std::span<const dmat4> toWorld, std::span<const uint32_t> instances) const;
+
+  // Returns the signs of the scales of this node and of those above it, multiplied: with them, the object's own frame
+  // has the rotations that the nodes state.
+  dvec3 scaleSigns(std::span<const uint32_t> instances) const;
+
+ private:
+  bool isGroup(std::span<const uint32_t> instances) const;
+
+  const Scene& scene_;
+  std::vector<bool> hasChildInGroup_;  // per node
+};
+
+// Returns the signs for an instance's own node and copy, also if it belongs to a group. Joints that move the instance
 // are not included, but the copy is.
 dvec3 instanceScaleSigns(const Scene& scene, uint32_t instance);
 // Return the signs of the scale of a node, and of a copy by EXT_mesh_gpu_instancing relative to its node.

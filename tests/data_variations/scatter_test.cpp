@@ -229,8 +229,9 @@ TEST(ScatterTest, CopiesOfMirroredNodesHaveTheirFrames) {
   const std::vector<dmat4> toWorld = scene::instanceTransforms(scene, {});
   for (const uint32_t instance : {0u, 1u}) {
     const std::span<const uint32_t> object(&instance, 1);
-    const dmat4 frame = scene::toGltfFromWorld() * scene::rigidOf(scene::objectToWorld(scene, {}, toWorld, object),
-                                                                  scene::objectScaleSigns(scene, object));
+    const scene::ObjectFrames frames(scene);
+    const dmat4 frame =
+        scene::toGltfFromWorld() * scene::rigidOf(frames.toWorld({}, toWorld, object), frames.scaleSigns(object));
     for (int axis = 0; axis < 3; ++axis) EXPECT_LE(glm::length(frame[axis] - dmat4(1)[axis]), 1e-6) << instance << axis;
   }
 }

@@ -566,7 +566,7 @@ std::map<std::string, dvec3> scaleSigns(const Scene& scene) {
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     const std::string copy = instance.copy < 0 ? "" : fmt::format("/instance{}", instance.copy);
-    signs[scene.nodes[instance.node].path + copy] = objectScaleSigns(scene, {&i, 1});
+    signs[scene.nodes[instance.node].path + copy] = ObjectFrames(scene).scaleSigns({&i, 1});
   }
   return signs;
 }

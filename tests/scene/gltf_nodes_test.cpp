@@ -168,7 +168,7 @@ TEST(GltfNodes, ObjectsHaveTheAxesOfTheirScales) {
       else {
         const Scene scene = file.load();
         const uint32_t first = 0;
-        EXPECT_EQ(objectScaleSigns(scene, {&first, 1}), glm::sign(scale) * dvec3(1, -1, -1));
+        EXPECT_EQ(ObjectFrames(scene).scaleSigns({&first, 1}), glm::sign(scale) * dvec3(1, -1, -1));
       }
     }
 }
@@ -183,7 +183,7 @@ TEST(GltfNodes, MovedCopiesMoveTheFrameOfTheirGroup) {
   ASSERT_EQ(scene.instances.size(), 2u);
   for (Instance& instance : scene.instances) instance.id = scene.nodes[0].id;
   const std::vector<uint32_t> both{0, 1};
-  const auto frame = [&] { return objectToWorld(scene, {}, instanceTransforms(scene, {}), both); };
+  const auto frame = [&] { return ObjectFrames(scene).toWorld({}, instanceTransforms(scene, {}), both); };
   const dmat4 move = glm::translate(dmat4(1), dvec3(0, 0, 5));
   setTransform(scene, 0, move * scene.instances[0].toWorld);
   EXPECT_EQ(frame(), scene.nodes[0].toWorld);
