@@ -8,6 +8,8 @@ os.environ.setdefault("LATELIGHT_VALIDATION", "1")
 import numpy as np
 import pytest
 
+pytest.register_assert_rewrite("model_checks", "usd_stages")
+
 import latelight
 
 
@@ -63,3 +65,13 @@ def square():
         "uv": np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32),
         "indices": np.array([[0, 1, 2], [0, 2, 3]]),
     }
+
+
+@pytest.fixture
+def stage():
+    """An empty stage of USD, in centimeters with Z up."""
+    Usd, UsdGeom = pytest.importorskip("pxr.Usd"), pytest.importorskip("pxr.UsdGeom")
+    made = Usd.Stage.CreateInMemory()
+    UsdGeom.SetStageUpAxis(made, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(made, 0.01)
+    return made

@@ -6,7 +6,7 @@ import re
 import resource
 
 import pytest
-from test_models import URDF
+from model_checks import URDF
 
 import latelight
 
