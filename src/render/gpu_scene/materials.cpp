@@ -84,6 +84,7 @@ void GpuMaterials::pose(vk::Uploader& uploader, const std::map<uint32_t, shared:
 void GpuMaterials::setVariants(vk::Uploader& uploader, std::vector<Variant> variants) {
   const size_t first = scene_.materials.size();
   if (variants == variants_ && !staleRecords_) return;
+  const bool lacksRecords = std::exchange(staleRecords_, true);  // a call after a failure repeats this
   variants_ = std::move(variants);
   records_.resize(first + variants_.size());
   std::vector<uint32_t> changed;
@@ -101,6 +102,7 @@ void GpuMaterials::setVariants(vk::Uploader& uploader, std::vector<Variant> vari
     if (std::memcmp(&before, &records_[index], sizeof(before)) != 0) changed.push_back(index);
   }
   const uint64_t revision = sceneRevision_;
+  staleRecords_ = lacksRecords;
   if (!changed.empty() || staleRecords_) uploadRecords(uploader, changed);
   sceneRevision_ = revision;
 }
