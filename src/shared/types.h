@@ -179,6 +179,11 @@ SH_CONST uint kMaterialLayered = 16u;       // the material has any kLayer* bit
 SH_CONST uint kMaterialTransmissive = 32u;  // the surface transmits the background (KHR_materials_transmission)
 SH_CONST uint kMaterialPlainUv = 64u;       // all textures use UV set 0 without a transform
 
+// Traits that all materials of a scene share, for which shaders of CPU devices are specialized (GpuMaterials::traits).
+SH_CONST uint kTraitPlainUv = 1u;          // kMaterialPlainUv
+SH_CONST uint kTraitPlainSpecular = 2u;    // no material has KHR_materials_specular
+SH_CONST uint kTraitSharedOcclusion = 4u;  // occlusion is the red channel of the metallic-roughness texture
+
 // True if the material is translucent: it is drawn over the background instead of replacing it.
 SH_FUNC bool translucent(uint materialFlags) {
   return (materialFlags & (kMaterialBlended | kMaterialTransmissive)) != 0u;

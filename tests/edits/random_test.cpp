@@ -265,7 +265,18 @@ class EditsTest : public RenderTest {
   output::FrameOutput fresh(const scene::Scene& scene) { return renderOne(device(), scene, camera_, settings_, &sky_); }
 };
 
+// Returns a material without the traits for which shaders of CPU devices are specialized (GpuMaterials::traits).
+scene::Material materialWithoutTraits() {
+  scene::Material material = scene::plainMaterial("without traits", vec3(1), 0, 1);
+  test::setTexture(material, shared::kTextureOcclusion, 0);
+  material.data.transforms[shared::kTextureOcclusion].row0 = {2, 0, 0};
+  material.data.specular = 0.5f;
+  return material;
+}
+
 TEST_F(EditsTest, TenThousandEditsAsIfEachFrameWereTheFirst) {
+  // The first material without them would be another reason to create pipelines.
+  scene::addMaterial(scene_, materialWithoutTraits());
   // Objects that are created on it are created for edits.
   vk::Device own({.selector = latelight::test::testDevice(), .validation = true});
   Renderer renderer(own, scene_, &sky_);

@@ -22,10 +22,15 @@ vec4 sampleTexture(Material m, uint slot, SurfacePoint p);
 
 // FrameConfig::textureSlots: code for slots that no material of the scene uses is not compiled.
 layout(constant_id = kTextureSlotsConstant) const uint kTextureSlots = ~0u;
+// FrameConfig::materialTraits: kTrait* that all materials share. Code for other materials is not compiled.
+layout(constant_id = kMaterialTraitsConstant) const uint kMaterialTraits = 0u;
+bool allMaterials(uint trait) { return (kMaterialTraits & trait) != 0u; }
+
 bool hasTexture(Material m, uint slot) { return (m.textures & kTextureSlots & (1u << slot)) != 0u; }
 
 // Precise, so that the alpha test has the same result in all passes.
 vec2 transformedUv(TextureTransform t, vec4 uvSets) {
+  if (allMaterials(kTraitPlainUv)) return uvSets.xy;
   vec3 uv = vec3(t.uvSet == 0u ? uvSets.xy : uvSets.zw, 1.0);
   precise vec2 transformed = vec2(dot(t.row0, uv), dot(t.row1, uv));
   return transformed;
@@ -33,6 +38,7 @@ vec2 transformedUv(TextureTransform t, vec4 uvSets) {
 
 // Transforms a gradient of both UV sets.
 vec2 transformedGradient(TextureTransform t, vec4 uvSets) {
+  if (allMaterials(kTraitPlainUv)) return uvSets.xy;
   vec2 uv = t.uvSet == 0u ? uvSets.xy : uvSets.zw;
   return vec2(dot(t.row0.xy, uv), dot(t.row1.xy, uv));
 }

@@ -15,7 +15,8 @@ GpuMaterials::GpuMaterials(vk::Device& device, const scene::Scene& scene, vk::Up
       opacity_(scene),
       list_(device, "materials"),
       textureSlots_(device.isCpu() ? 0 : ~0u),
-      codedTextureSlots_(textureSlots_) {
+      codedTextureSlots_(textureSlots_),
+      traits_(device.hasCpuShaders() ? ~0u : 0) {
   const VkDeviceSize alignment = device_.properties().limits.minUniformBufferOffsetAlignment;
   uniformStride_ = (sizeof(shared::Material) + alignment - 1) / alignment * alignment;
   update(uploader, allOf(scene.textures.size()), allOf(scene.materials.size()));
@@ -50,10 +51,19 @@ void GpuMaterials::update(vk::Uploader& uploader, std::span<const uint32_t> text
   const std::vector<uint32_t> followers = opacity_.updateTextures(textures);
   variants_.clear();
   records_.resize(scene_.materials.size());
-  std::vector<uint32_t> all;
-  std::ranges::set_union(changed, followers, std::back_inserter(all));
+  std::vector<uint32_t> own, all;
+  std::ranges::set_union(changed, followers, std::back_inserter(own));
+  std::ranges::set_union(own, withOtherImages(), std::back_inserter(all));
   for (const uint32_t material : all) setRecord(material, scene_.materials[material].data);
   if (!records_.empty()) uploadRecords(uploader, all);
+}
+
+// Returns the scene's materials whose records have other indices than their textures.
+std::vector<uint32_t> GpuMaterials::withOtherImages() const {
+  std::vector<uint32_t> materials;
+  for (uint32_t i = 0; i < scene_.materials.size(); ++i)
+    if (!std::ranges::equal(records_[i].images, textures_.indices(i))) materials.push_back(i);
+  return materials;
 }
 
 void GpuMaterials::updateOpacity(vk::Uploader& uploader, std::span<const uint32_t> meshes) {
@@ -141,13 +151,40 @@ uint32_t GpuMaterials::baseOf(uint32_t material) const {
 
 namespace {
 
+bool hasTexture(const shared::Material& material, uint32_t slot) {
+  return (material.textures >> slot & 1u) != 0;
+}
+
 bool hasPlainUv(const shared::Material& material) {
   const auto isPlain = [](const shared::TextureTransform& t) {
     return t.row0 == glm::vec3(1, 0, 0) && t.row1 == glm::vec3(0, 1, 0) && t.uvSet == 0;
   };
   for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot)
-    if ((material.textures >> slot & 1u) && !isPlain(material.transforms[slot])) return false;
+    if (hasTexture(material, slot) && !isPlain(material.transforms[slot])) return false;
   return true;
+}
+
+bool hasPlainSpecular(const shared::Material& material) {
+  return material.specular == 1 && material.specularColor == glm::vec3(1) &&
+         !hasTexture(material, shared::kTextureSpecular) && !hasTexture(material, shared::kTextureSpecularColor);
+}
+
+bool sharesOcclusion(const shared::Material& material) {
+  using namespace shared;  // kTexture*
+  if (!hasTexture(material, kTextureOcclusion)) return true;
+  const TextureTransform &a = material.transforms[kTextureOcclusion],
+                         &b = material.transforms[kTextureMetallicRoughness];
+  return hasTexture(material, kTextureMetallicRoughness) &&
+         material.images[kTextureOcclusion] == material.images[kTextureMetallicRoughness] && a.row0 == b.row0 &&
+         a.row1 == b.row1 && a.uvSet == b.uvSet;
+}
+
+// Returns kTrait* of a record that has its flags and images.
+uint32_t traitsOf(const shared::Material& material) {
+  uint32_t traits = (material.flags & shared::kMaterialPlainUv) ? shared::kTraitPlainUv : 0;
+  if (hasPlainSpecular(material)) traits |= shared::kTraitPlainSpecular;
+  if (sharesOcclusion(material)) traits |= shared::kTraitSharedOcclusion;
+  return traits;
 }
 
 }  // namespace
@@ -161,6 +198,7 @@ void GpuMaterials::setRecord(uint32_t material, const shared::Material& data) {
     record.flags &= ~shared::kMaterialBlended;
   if (hasPlainUv(record)) record.flags |= shared::kMaterialPlainUv;
   textureSlots_ |= record.textures;
+  traits_ &= traitsOf(record);
   layers_ |= scene::layersOf(record);
 }
 

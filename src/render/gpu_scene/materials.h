@@ -72,6 +72,8 @@ class GpuMaterials {
   uint32_t textureSlots() const { return textureSlots_; }
   // The same for textures that are coded in sRGB. Shaders of a CPU device do not decode those of other slots.
   uint32_t codedTextureSlots() const { return codedTextureSlots_; }
+  // kTrait* that all materials have, and had; 0 on a GPU.
+  uint32_t traits() const { return traits_; }
   uint32_t layers() const { return layers_; }                  // kLayer* flags that a material has, or had
   VkDeviceAddress address() const { return list_.address(); }  // shared::Material[]
   uint64_t revision() const { return revision_; }              // increases whenever a material changes
@@ -83,6 +85,7 @@ class GpuMaterials {
   void uploadRecords(vk::Uploader& uploader, std::span<const uint32_t> changed);
   void uploadUniforms(vk::Uploader& uploader, std::span<const uint32_t> changed);
   void setUniforms(vk::Buffer uniforms);
+  std::vector<uint32_t> withOtherImages() const;
 
   vk::Device& device_;
   const scene::Scene& scene_;
@@ -97,7 +100,7 @@ class GpuMaterials {
   VkDeviceSize uniformStride_ = 0;
   vk::Handle<VkDescriptorPool> uniformPool_;  // for this set only
   VkDescriptorSet uniformSet_ = VK_NULL_HANDLE;
-  uint32_t textureSlots_ = 0, codedTextureSlots_ = 0;
+  uint32_t textureSlots_ = 0, codedTextureSlots_ = 0, traits_ = 0;
   uint32_t layers_ = 0;
   uint64_t revision_ = 1, sceneRevision_ = 1;
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
+#include <utility>
 
 #include "render/gpu_scene/texture_kinds.h"
 #include "scene/color_slots.h"
@@ -48,33 +50,97 @@ GpuTextures::GpuTextures(vk::Device& device, const scene::Scene& scene, vk::Uplo
   uploadEmptyTextures(uploader);
 }
 
+namespace {
+
+OcclusionPairs occlusionPairsOf(const vk::Device& device, const scene::Scene& scene) {
+  return device.hasCpuShaders() ? occlusionPairs(scene) : noOcclusionPairs(scene);
+}
+
+// Returns the pairs with further textures that belong to none.
+OcclusionPairs extended(OcclusionPairs pairs, size_t count) {
+  pairs.occlusionOf.resize(count, OcclusionPairs::kNone);
+  for (size_t i = pairs.imageOf.size(); i < count; ++i) pairs.imageOf.push_back(static_cast<int>(i));
+  return pairs;
+}
+
+}  // namespace
+
+bool GpuTextures::hasImage(uint32_t texture) const {
+  return !scene_.textures[texture].removed && imageOf(static_cast<int>(texture)) == static_cast<int>(texture);
+}
+
+// Returns these textures, those of which the device stores other texels than before, and those whose image holds any of
+// them; in order.
+std::vector<uint32_t> GpuTextures::withPartners(std::span<const uint32_t> textures,
+                                                const OcclusionPairs& before) const {
+  std::set<uint32_t> all(textures.begin(), textures.end());
+  for (uint32_t i = 0; i < before.imageOf.size(); ++i)
+    if (before.imageOf[i] != pairs_.imageOf[i] || before.occlusionOf[i] != pairs_.occlusionOf[i]) all.insert(i);
+  for (const uint32_t texture : textures) all.insert(static_cast<uint32_t>(pairs_.imageOf[texture]));
+  return {all.begin(), all.end()};
+}
+
+// Returns these materials and all others that sample any of the textures, in order.
+std::vector<uint32_t> GpuTextures::materialsOf(std::span<const uint32_t> textures,
+                                               std::span<const uint32_t> materials) const {
+  std::set<uint32_t> all(materials.begin(), materials.end());
+  const auto samplesAny = [&](const scene::Material& material) {
+    return std::ranges::any_of(material.slots, [&](const scene::TextureSlot& slot) {
+      return slot.texture >= 0 && std::ranges::binary_search(textures, static_cast<uint32_t>(slot.texture));
+    });
+  };
+  for (uint32_t i = 0; !textures.empty() && i < scene_.materials.size(); ++i)
+    if (!scene_.materials[i].removed && samplesAny(scene_.materials[i])) all.insert(i);
+  return {all.begin(), all.end()};
+}
+
 void GpuTextures::update(vk::Uploader& uploader, std::span<const uint32_t> textures,
                          std::span<const uint32_t> materials) {
   const auto known = static_cast<uint32_t>(textures_.size()), count = static_cast<uint32_t>(scene_.textures.size());
-  textures_.resize(count);
-  entriesOf_.resize(count);
-  if (hasTexels_) texels_.resize(count);
-  const auto upload = [&](uint32_t texture) {
-    uploadImage(uploader, texture);
-    if (hasTexels_) uploadTexels(uploader, texture);
-  };
-  for (uint32_t texture = known; texture < count; ++texture) upload(texture);
-  for (const uint32_t texture : textures) {
-    if (texture >= known) continue;
-    upload(texture);
-    dropEntries(texture);
+  OcclusionPairs before = std::exchange(pairs_, occlusionPairsOf(device_, scene_));
+  try {
+    textures_.resize(count);
+    entriesOf_.resize(count);
+    if (hasTexels_) texels_.resize(count);
+    for (uint32_t texture = known; texture < count; ++texture) upload(uploader, texture);
+    const std::vector<uint32_t> changed = withPartners(textures, before);
+    for (const uint32_t texture : changed) {
+      if (texture >= known) continue;
+      upload(uploader, texture);
+      dropEntries(texture);
+    }
+    indices_.resize(scene_.materials.size());
+    const std::vector<uint32_t> all = materialsOf(changed, materials);
+    for (const uint32_t material : all) addEntries(material);
+    if (hasTexels_) uploadRecords(uploader);
+    sets_->update(all);
+  } catch (...) {  // a call after a failure repeats the changes of pairs
+    pairs_ = extended(std::move(before), pairs_.imageOf.size());
+    throw;
   }
-  indices_.resize(scene_.materials.size());
-  for (const uint32_t material : materials) addEntries(material);
-  if (hasTexels_) uploadRecords(uploader);
-  sets_->update(materials);
+}
+
+void GpuTextures::upload(vk::Uploader& uploader, uint32_t index) {
+  textures_[index] = vk::Image();
+  if (hasTexels_) texels_[index] = vk::Buffer();
+  if (!hasImage(index)) return;
+  const std::shared_ptr<const std::byte[]> pixels = pixelsOf(index);
+  uploadImage(uploader, index, pixels.get());
+  if (hasTexels_) uploadTexels(uploader, index, pixels.get());
+}
+
+// Returns the texels of a texture's image, which may hold another texture as well.
+std::shared_ptr<const std::byte[]> GpuTextures::pixelsOf(uint32_t index) const {
+  const scene::Texture& texture = scene_.textures[index];
+  const int occlusion = pairs_.occlusionOf[index];
+  if (occlusion == OcclusionPairs::kNone) return texture.pixels;
+  return withOcclusion(texture, scene_.textures[static_cast<size_t>(occlusion)]);
 }
 
 // Frames in flight keep the image that they sample until they have finished.
-void GpuTextures::uploadImage(vk::Uploader& uploader, uint32_t index) {
+void GpuTextures::uploadImage(vk::Uploader& uploader, uint32_t index, const std::byte* pixels) {
   const scene::Texture& texture = scene_.textures[index];
-  vk::Image& image = textures_[index] = vk::Image();
-  if (texture.removed) return;
+  vk::Image& image = textures_[index];
   image = vk::Image(device_, {.format = texture.srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
                               .width = texture.width,
                               .height = texture.height,
@@ -82,7 +148,7 @@ void GpuTextures::uploadImage(vk::Uploader& uploader, uint32_t index) {
                               .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
                               .name = texture.name,
                               .oddBase = uniformSizes_ && getsOddBase(device_, texture.width, texture.height)});
-  uploader.upload(image, {texture.pixels.get(), texture.bytes()});
+  uploader.upload(image, {pixels, texture.bytes()});
 }
 
 // Materials that still sample the texture add their entries again.
@@ -99,7 +165,7 @@ void GpuTextures::dropEntries(uint32_t texture) {
 void GpuTextures::addEntries(uint32_t material) {
   for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
     const scene::TextureSlot& bound = scene_.materials[material].slots[slot];
-    indices_[material][slot] = bound.texture < 0 ? 0 : addEntry(bound);
+    indices_[material][slot] = bound.texture < 0 ? 0 : addEntry({imageOf(bound.texture), bound.sampler});
   }
 }
 
@@ -122,17 +188,17 @@ uint32_t GpuTextures::addEntry(const scene::TextureSlot& slot) {
 void GpuTextures::storeTexels(vk::Uploader& uploader) {
   if (hasTexels_) return;
   texels_.resize(textures_.size());
-  for (uint32_t texture = 0; texture < texels_.size(); ++texture) uploadTexels(uploader, texture);
+  for (uint32_t texture = 0; texture < texels_.size(); ++texture)
+    if (hasImage(texture)) uploadTexels(uploader, texture, pixelsOf(texture).get());
   uploadRecords(uploader);
   hasTexels_ = true;
 }
 
-void GpuTextures::uploadTexels(vk::Uploader& uploader, uint32_t index) {
+void GpuTextures::uploadTexels(vk::Uploader& uploader, uint32_t index, const std::byte* pixels) {
   const scene::Texture& texture = scene_.textures[index];
-  vk::Buffer& texels = texels_[index] = vk::Buffer();
-  if (texture.removed) return;
+  vk::Buffer& texels = texels_[index];
   texels = vk::Buffer(device_, {.size = texture.bytes(), .name = texture.name});
-  uploader.upload(texels, {texture.pixels.get(), texture.bytes()});
+  uploader.upload(texels, {pixels, texture.bytes()});
 }
 
 void GpuTextures::uploadRecords(vk::Uploader& uploader) {
@@ -182,7 +248,7 @@ VkImageView GpuTextures::view(const Entry& entry) const {
 }
 
 VkImageView GpuTextures::view(uint32_t material, uint32_t slot) const {
-  const int texture = scene_.materials[material].slots[slot].texture;
+  const int texture = imageOf(scene_.materials[material].slots[slot].texture);
   return (texture >= 0 ? textures_[static_cast<size_t>(texture)] : emptyTextures_[scene::isColorSlot(slot)]).view();
 }
 

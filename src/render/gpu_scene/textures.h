@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/gpu_scene/buffer.h"
+#include "render/gpu_scene/occlusion_pairs.h"
 #include "render/gpu_scene/texture_sets.h"
 #include "scene/scene.h"
 #include "vk/resources.h"
@@ -18,7 +19,7 @@ class GpuTextures {
  public:
   GpuTextures(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
   // Uploads textures and materials that were edited, added or removed. An edit of a texture is also an edit of the
-  // materials that sample it.
+  // materials that sample it. indices() of others change if they sample a texture whose image changed with another's.
   void update(vk::Uploader& uploader, std::span<const uint32_t> textures, std::span<const uint32_t> materials);
   // Sets the maximum number of samples along a pixel's footprint; initially 1 (none).
   void setAnisotropy(vk::Uploader& uploader, uint32_t samples);
@@ -45,8 +46,14 @@ class GpuTextures {
 
  private:
   void uploadEmptyTextures(vk::Uploader& uploader);
-  void uploadImage(vk::Uploader& uploader, uint32_t texture);
-  void uploadTexels(vk::Uploader& uploader, uint32_t texture);
+  std::vector<uint32_t> withPartners(std::span<const uint32_t> textures, const OcclusionPairs& before) const;
+  std::vector<uint32_t> materialsOf(std::span<const uint32_t> textures, std::span<const uint32_t> materials) const;
+  bool hasImage(uint32_t texture) const;
+  int imageOf(int texture) const { return texture < 0 ? texture : pairs_.imageOf[static_cast<size_t>(texture)]; }
+  std::shared_ptr<const std::byte[]> pixelsOf(uint32_t texture) const;
+  void upload(vk::Uploader& uploader, uint32_t texture);
+  void uploadImage(vk::Uploader& uploader, uint32_t texture, const std::byte* pixels);
+  void uploadTexels(vk::Uploader& uploader, uint32_t texture, const std::byte* pixels);
   void uploadRecords(vk::Uploader& uploader);
   void dropEntries(uint32_t texture);
   void addEntries(uint32_t material);
@@ -57,7 +64,8 @@ class GpuTextures {
   const scene::Scene& scene_;
   bool uniformSizes_ = false;
   uint32_t anisotropy_ = 1;
-  std::vector<vk::Image> textures_;
+  OcclusionPairs pairs_;
+  std::vector<vk::Image> textures_;       // null for a texture that the image of another one holds
   std::vector<vk::Image> emptyTextures_;  // linear, sRGB
   std::vector<Entry> entries_{1};
   std::vector<uint32_t> freeEntries_;

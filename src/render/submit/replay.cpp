@@ -78,6 +78,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
                     gpuScene_.materials().sceneRevision()},
       .textureSlots = gpuScene_.materials().textureSlots(),
       .codedTextureSlots = gpuScene_.materials().codedTextureSlots(),
+      .materialTraits = gpuScene_.materials().traits(),
       .layers = gpuScene_.materials().layers(),
       .worlds = part.job.placedWorlds > 0 ? ReplayKey::Worlds::PlacedByShaders
                 : gpuScene_.hasWorlds()   ? ReplayKey::Worlds::ConvertedByHost

@@ -23,7 +23,7 @@ struct ReplayKey {
   Results results;
   // The scene on the device.
   std::array<uint64_t, 4> revisions;  // of meshes, materials and textures as edited, and of materials as posed
-  uint32_t textureSlots, codedTextureSlots, layers;  // of materials, including those of worlds
+  uint32_t textureSlots, codedTextureSlots, materialTraits, layers;  // of materials, including those of worlds
   enum class Worlds : uint8_t { None, ConvertedByHost, PlacedByShaders } worlds;
   bool metered;  // views have exposures of their own
   bool mixesBlended, anyBlended;
