@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "render/gbuffer/layout.h"
 #include "render/options/option_table.h"
 #include "scene/ids.h"
 
@@ -183,12 +182,7 @@ void checkOptions(RenderOptions& o) {
   render::checkSettings(s);
   o.pixels = parsePixels(o.picks);
   render::checkPixels(s, o.pixels);
-  const render::Layout& layout = *s.layout;
-  if (o.isExplicit("normals") && layout.fixedNormal)
-    badUsage("--normals does not apply to the layout {}, which stores normals as {}", layout.name, layout.fixedNormal);
-  if (o.isExplicit("position") && layout.fixedPosition)
-    badUsage("--position does not apply to the layout {}, which stores positions as {}", layout.name,
-             layout.fixedPosition);
+  render::checkLayoutOptions(s, o.given);
 }
 
 scene::LoadOptions loadOptions(const RenderOptions& o) {

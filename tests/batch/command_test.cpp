@@ -203,6 +203,58 @@ TEST(BatchCommand, ErrorsInCamerasAndVariationsNameTheLine) {
               HasSubstr("latelight: formats[0]: there is no format"));
 }
 
+// The renderer rejects these options, so no frame could be rendered.
+TEST(BatchCommand, OptionsThatNoFrameSupportsAreRejected) {
+  const Folder folder;
+  const auto expectRejected = [&](std::vector<std::string> job, const std::string& sentence) {
+    for (const char* dry : {"--dry-run", "--quiet"}) {
+      std::vector<std::string> all = job;
+      all.insert(all.end(), {"-o", "set", dry});
+      const Outcome outcome = latelight(batch(folder, all));
+      EXPECT_EQ(outcome.code, 2) << outcome.text();
+      EXPECT_THAT(outcome.err, testing::StartsWith("latelight: " + sentence));
+      EXPECT_FALSE(fs::exists(folder.path() / "set")) << sentence;
+    }
+  };
+  const auto expectOptionsRejected = [&](std::vector<std::string> options, const std::string& sentence) {
+    options.insert(options.begin(), {"--scenes", "builtin:boxes"});
+    expectRejected(options, sentence);
+  };
+  expectOptionsRejected({"--aa", "fxaa", "--bayer", "rggb"}, "--aa fxaa smooths the finished picture");
+  expectOptionsRejected({"--aa", "fxaa", "--full-well", "1000"}, "--aa fxaa smooths the finished picture");
+  expectOptionsRejected({"--black-level", "5000"}, "--black-level 5000 must be below");
+  expectOptionsRejected({"--layout", "killzone2", "--normals", "octahedral"}, "--normals does not apply to the layout");
+  expectOptionsRejected({"--layout", "exact", "--position", "reciprocal", "--lighting", "forward"},
+                        "--position does not apply to the layout");
+  expectOptionsRejected({"--shadow-lights", "zz"}, "no light is called \"zz\": --shadow-lights takes");
+  expectOptionsRejected({"--shadow-lights", "zz", "--scenes", "builtin:hall"}, "no light is called \"zz\"");
+  expectOptionsRejected({"--background", "hdri", "--hdri", "none"}, "--background hdri requires an environment");
+  const std::string environments = R"([{"type": "environments", "environments": ["studio", "none"]}])";
+  expectOptionsRejected({"--background", "hdri", "--variations", environments},
+                        "--background hdri requires an environment");
+  folder.write("job.yaml",
+               std::string_view("scenes: builtin:boxes\nhdri: none\noptions:\n  bloom: 0.1\n  shadow-lights: zz\n"));
+  expectRejected({"job.yaml"}, "job.yaml:5: options.shadow-lights: no light is called \"zz\"");
+  expectRejected({"job.yaml", "--shadow-lights", "yy"}, "no light is called \"yy\"");
+  folder.write("job.yaml", std::string_view("scenes: builtin:boxes\nhdri: none\noptions:\n  background: hdri\n"));
+  expectRejected({"job.yaml"}, "job.yaml:4: options.background: --background hdri requires an environment");
+}
+
+// The same options where they have a meaning.
+TEST(BatchCommand, OptionsThatFramesSupportAreAccepted) {
+  const Folder folder;
+  const auto framesWith = [&](const std::vector<std::string>& options) {
+    return frames(latelight(dryRun(folder, options)));
+  };
+  EXPECT_EQ(framesWith({"--shadow-lights", "zz", "--shadows", "none"}), "1");
+  EXPECT_EQ(framesWith({"--shadow-lights", "zz", "--formats", "depth-png"}), "1");
+  EXPECT_EQ(framesWith({"--shadow-lights", "sun", "--sun", "10,40"}), "1");
+  const std::string studio = R"([{"type": "environments", "environments": "studio"}])";
+  EXPECT_EQ(framesWith({"--background", "hdri", "--hdri", "none", "--variations", studio}), "1");
+  EXPECT_EQ(framesWith({"--background", "hdri"}), "1");
+  EXPECT_EQ(framesWith({"--layout", "optimized", "--normals", "octahedral"}), "1");
+}
+
 // A dry run fails if the run would fail.
 TEST(BatchCommand, DryRunsCheckTheFolder) {
   const Folder folder;

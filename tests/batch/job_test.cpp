@@ -116,6 +116,15 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
       {"options:\n  loop: 1\n", "job.yaml:4: options.loop takes true or false, not 1"},
       {"options:\n  animation: Foo\n", "job.yaml:4: options.animation: --animation and --loop require --time"},
       {"options:\n  fps: 3\n  loop: true\n", "job.yaml:5: options.loop: --animation and --loop require --time"},
+      {"options:\n  bayer: rggb\n  aa: fxaa\n", "job.yaml:5: options.aa: --aa fxaa smooths the finished picture"},
+      {"options:\n  aa: fxaa\n  full-well: 1000\n", "job.yaml:4: options.aa: --aa fxaa smooths the finished picture"},
+      {"options:\n  size: 8x8\n  black-level: 5000\n",
+       "job.yaml:5: options.black-level: --black-level 5000 must be below the highest value of --bit-depth 12"},
+      {"options:\n  aa: msaa4\n  shadows: rays\n", "job.yaml:4: options.aa: --aa msaa4 does not sample --shadows rays"},
+      {"options:\n  normals: octahedral\n  layout: killzone2\n",
+       "job.yaml:4: options.normals: --normals does not apply to the layout killzone2"},
+      {"options:\n  layout: exact\n  position: reciprocal\n  lighting: forward\n",
+       "job.yaml:5: options.position: --position does not apply to the layout exact"},
       {"options: 7\n", "job.yaml:3: options takes an object of keys and values, not 7"},
       {"repeat: 0\n", "job.yaml:3: repeat takes a whole number from 1 to 1e+06, not 0"},
       {"repeat: 1.5\n", "job.yaml:3: repeat takes a whole number"},
@@ -142,6 +151,9 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
       {"---\n,\n", "job.yaml:4: it is not YAML"},
   };
   for (const auto& [text, sentence] : yaml) EXPECT_THAT(wrongIn("job.yaml", start + text), HasSubstr(sentence)) << text;
+  // The sensor reads only pictures, and a larger bit depth has a larger highest value.
+  EXPECT_EQ(wrongIn("job.yaml", start + "options: {aa: fxaa, bayer: rggb}\nformats: [depth-png]\n"), "");
+  EXPECT_EQ(wrongIn("job.yaml", start + "options: {black-level: 5000, bit-depth: 14}\n"), "");
   EXPECT_THAT(wrongIn("job.yaml", "output: set\n"), HasSubstr("the key \"scenes\" is missing"));
   EXPECT_THAT(wrongIn("job.yaml", "scenes: [no/*.glb]\noutput: set\n"),
               HasSubstr("job.yaml:1: scenes[0]: no file matches"));

@@ -6,6 +6,7 @@
 #include "render/outputs/outputs.h"
 #include "render/submit/describe.h"
 #include "render/submit/lens_settings.h"
+#include "render/submit/scene_checks.h"
 
 namespace latelight::data {
 
@@ -33,6 +34,13 @@ void checkRendering(const CameraTimeline& cameras, size_t i, const render::Setti
 }
 
 }  // namespace
+
+// The renderer makes the same checks, but only when it renders a frame. Variations neither remove lights nor name those
+// that they add.
+void checkScene(const Job& job, const LoadedScene& loaded) {
+  render::checkBackground(job.settings, loaded.hasEnvironmentInAllVariations());
+  render::checkShadowLightsOf(loaded.scene(), job.settings);
+}
 
 void checkCameras(const Job& job, const LoadedScene& loaded,
                   const std::function<std::string(const std::string& camera)>& frameName) {

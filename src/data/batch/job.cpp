@@ -13,6 +13,7 @@
 #include "data/variations/variations.h"
 #include "render/options/options.h"
 #include "render/outputs/outputs.h"
+#include "render/sensor/sensor.h"
 #include "scene/ids.h"
 
 namespace latelight::data {
@@ -64,10 +65,18 @@ void readOptions(Job& job, const JobDocument& document) {
       badUsage("{}: {}", document.place("options." + key), error.what());
     }
   }
-  render::checkSettings(job.settings);
   if (render::playsWithoutTime(job.settings))
     badUsage("{}: --animation and --loop require --time",
              document.place(job.settings.loop ? "options.loop" : "options.animation"));
+}
+
+// The renderer makes the same checks, but only when it renders a frame.
+void checkOptions(const Job& job, const JobDocument& document) try {
+  render::checkSettings(job.settings);
+  render::checkLayoutOptions(job.settings, job.given);
+  render::checkSensor(job.settings);
+} catch (const Error& error) {
+  throw Error(error.code(), document.located(error.what()));
 }
 
 void readScenes(Job& job, const JobDocument& document) {
@@ -177,7 +186,8 @@ Job makeJob(const JobDocument& document) {
   job.memory = document.memory;
   job.places.name = document.name;
   for (const auto& [path, line] : document.lines)
-    if (path.starts_with("cameras") || path.starts_with("variations")) job.places.lines[path] = line;
+    if (path.starts_with("cameras") || path.starts_with("variations") || path.starts_with("options"))
+      job.places.lines[path] = line;
   job.document = document.json;
   job.document.erase("output");
   job.folder = document.json["output"].get<std::string>();
@@ -191,6 +201,7 @@ Job makeJob(const JobDocument& document) {
   for (const JobFormat& use : job.formats) job.extras = both(job.extras, use.format->needsExtras());
   readOptions(job, document);
   askForOutputs(job);
+  checkOptions(job, document);
   return job;
 }
 

@@ -26,7 +26,8 @@ struct JobFormat {
 };
 
 struct Job {
-  // The name of the job's file and the lines of its cameras and variations, for messages; without the contents.
+  // The name of the job's file and the lines of its cameras, variations and options, for messages; without the
+  // contents.
   JobDocument places;
   // The job's document without its output folder, which is not part of a data set's identity, and with the contents of
   // the files that its formats name.

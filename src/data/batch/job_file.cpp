@@ -170,8 +170,21 @@ std::string JobDocument::place(const std::string& path) const {
 std::string JobDocument::located(const std::string& message) const {
   const std::string path = message.substr(0, message.find_first_of(" :"));
   const std::string key = path.substr(0, path.find_first_of(".["));
-  if ((key != "cameras" && key != "variations") || !lines.contains(key)) return message;
-  return place(path) + message.substr(path.size());
+  if (key == "cameras" || key == "variations")
+    return lines.contains(key) ? place(path) + message.substr(path.size()) : message;
+  if (const std::string option = optionIn(message); !option.empty()) return place(option) + ": " + message;
+  return message;
+}
+
+// Returns the path of the first option that the message names and the file sets; empty if there is none.
+std::string JobDocument::optionIn(const std::string& message) const {
+  for (size_t at = message.find("--"); at != std::string::npos; at = message.find("--", at)) {
+    at += 2;
+    const size_t end = message.find_first_not_of("abcdefghijklmnopqrstuvwxyz-", at);
+    const std::string option = "options." + message.substr(at, end - at);
+    if (const auto line = lines.find(option); line != lines.end() && line->second > 0) return option;
+  }
+  return "";
 }
 
 void JobDocument::forgetLines(const std::string& path) {

@@ -22,11 +22,15 @@ struct JobDocument {
   // line of the entry that contains them.
   std::string place(const std::string& path) const;
   // Adds the file and the line to a message about cameras or variations that begins with the path of a key, such as
-  // "variations[0].scale must be a number". Returns other messages as they are.
+  // "variations[0].scale must be a number", and to a message about options of the file, such as "--aa fxaa requires".
+  // The line is that of the first option in the message that the file sets. Returns other messages as they are.
   std::string located(const std::string& message) const;
   // Forgets the lines of a key and of everything in it. place() does not name the file for it, because an option of the
   // command line has replaced its value.
   void forgetLines(const std::string& path);
+
+ private:
+  std::string optionIn(const std::string& message) const;
 };
 
 // Reads a file that ends in .json, .yaml or .yml. Throws Error(BadInput) if it cannot be read, and Error(Usage) with

@@ -36,8 +36,20 @@ std::map<uint32_t, scene::dmat4> LoadedScene::movedNodes() const {
 
 std::string LoadedScene::environment() const {
   const bool isDrawn = variations_ && !variations_->environment().empty();
+  return environmentFor(isDrawn ? variations_->environment() : job_.hdri);
+}
+
+bool LoadedScene::hasEnvironmentInAllVariations() const {
+  std::vector<std::string> requested;
+  if (variations_) requested = variations_->possibleEnvironments();
+  if (requested.empty()) requested = {job_.hdri};
+  return std::ranges::none_of(requested, [&](const std::string& name) { return environmentFor(name).empty(); });
+}
+
+// `requested`: a name as for --hdri; empty: the scene chooses.
+std::string LoadedScene::environmentFor(const std::string& requested) const {
   const bool isSeen = job_.settings.background.kind == render::Background::Environment;
-  return render::environmentName(scene_, isDrawn ? variations_->environment() : job_.hdri, isSeen);
+  return render::environmentName(scene_, requested, isSeen);
 }
 
 }  // namespace latelight::data

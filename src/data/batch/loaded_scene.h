@@ -28,11 +28,14 @@ class LoadedScene {
   scene::Scene release() && { return std::move(scene_); }
   // Applies a variation to the scene and returns the values drawn for it, or null if the job has no variations.
   const nlohmann::ordered_json& show(uint32_t variation);
-  std::string environment() const;                      // the current environment; empty: none
+  std::string environment() const;  // the current environment; empty: none
+  bool hasEnvironmentInAllVariations() const;
   std::optional<double> environmentRotation() const;    // in degrees; empty if the variation does not rotate it
   std::map<uint32_t, scene::dmat4> movedNodes() const;  // Variations::movedNodes() of the variation
 
  private:
+  std::string environmentFor(const std::string& requested) const;
+
   const Job& job_;
   scene::Scene scene_;
   CameraTimeline cameras_;

@@ -207,7 +207,7 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
                       d.value("allow-outside", Json()), d.value("id-depth", Json()), d.value("id-nodes", Json()),
                       d.value("unit", Json()), d.value("up-axis", Json()), d.value("point-radius", Json()),
                       d.value("options", Json()), d.value("formats", Json()), moves, pairs, job.seed, version(),
-                      d.value("variations", Json()), files});
+                      d.value("variations", Json()), d.value("hdri", Json()), files});
   // The job states unit and axes for all scenes, whichever of them can be loaded.
   for (const std::string& source : job.scenes) scene::checkFrame(source, job.load);
   const Json known = readSaved(saved);
@@ -242,11 +242,16 @@ bool Plan::findSaved(PlannedScene& scene, const Json& saved) const try {
   return false;
 }
 
-// Loads the scene of a plan to determine its cameras, and checks these.
+// Loads the scene of a plan to determine its cameras, and checks both.
 void Plan::look(PlannedScene& scene) {
   std::unique_ptr<LoadedScene> loaded = load(scene);
   if (!loaded) return;
-  checkCameras(job_, *loaded, [&](const std::string& camera) { return filledName(scene.source, camera, "0", "0"); });
+  try {
+    checkScene(job_, *loaded);
+    checkCameras(job_, *loaded, [&](const std::string& camera) { return filledName(scene.source, camera, "0", "0"); });
+  } catch (const Error& error) {
+    throw Error(error.code(), job_.places.located(error.what()));
+  }
   if (job_.scenes.size() == 1) scene_ = std::move(loaded);
 }
 

@@ -1,6 +1,8 @@
 // The variation "environments": a random environment of a list, and a random rotation.
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "data/variations/draws.h"
@@ -40,6 +42,8 @@ class Environments : public Variation {
     }
     return record;
   }
+
+  std::vector<std::string> possibleEnvironments() const override { return environments_; }
 
  private:
   std::string path_;

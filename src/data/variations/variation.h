@@ -67,6 +67,8 @@ class Variation {
   // Returns all objects that draw() may add, whichever numbers are drawn. If an object may consist of different parts,
   // the list has at least one object with each choice of parts.
   virtual std::vector<AddedObject> possibleObjects() const { return {}; }
+  // Returns the environments from which draw() chooses; empty if it chooses none.
+  virtual std::vector<std::string> possibleEnvironments() const { return {}; }
 };
 
 // The inputs of all kinds.

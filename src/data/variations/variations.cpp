@@ -192,6 +192,15 @@ const std::map<uint32_t, scene::dmat4>& Variations::movedNodes() const {
 const std::string& Variations::environment() const {
   return impl_->environment;
 }
+
+// The last choice replaces the others, as in Draft::environment.
+std::vector<std::string> Variations::possibleEnvironments() const {
+  std::vector<std::string> names;
+  for (const Impl::Entry& entry : impl_->entries)
+    if (std::vector<std::string> own = entry.variation->possibleEnvironments(); !own.empty()) names = std::move(own);
+  return names;
+}
+
 std::optional<double> Variations::environmentRotation() const {
   return impl_->environmentRotation;
 }

@@ -40,6 +40,8 @@ class Variations {
   const std::map<uint32_t, scene::dmat4>& movedNodes() const;
   // The environment of the applied variation: a file, "studio" or "none"; empty: the job's own.
   const std::string& environment() const;
+  // All environments from which variations choose, by such names; empty if none chooses one.
+  std::vector<std::string> possibleEnvironments() const;
   // The rotation of the environment in degrees, as for --hdri-rotate; empty: the job's own.
   std::optional<double> environmentRotation() const;
 

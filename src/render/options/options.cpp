@@ -248,6 +248,15 @@ void checkSettings(const Settings& settings) {
     badUsage("--aa msaa{} requires the raster compute, because hardware supports only msaa4", settings.aa.samples);
 }
 
+void checkLayoutOptions(const Settings& settings, const std::map<std::string, std::string, std::less<>>& given) {
+  const Layout& layout = *settings.layout;
+  if (given.contains("normals") && layout.fixedNormal)
+    badUsage("--normals does not apply to the layout {}, which stores normals as {}", layout.name, layout.fixedNormal);
+  if (given.contains("position") && layout.fixedPosition)
+    badUsage("--position does not apply to the layout {}, which stores positions as {}", layout.name,
+             layout.fixedPosition);
+}
+
 bool playsWithoutTime(const Settings& settings) {
   return !settings.time && (!settings.animation.empty() || settings.loop);
 }

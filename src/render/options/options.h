@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -69,6 +71,8 @@ std::string read(Settings& settings, const Option& option, std::string_view text
 
 // Throws Error(Usage) if a value is out of range, or if two contradict each other.
 void checkSettings(const Settings& settings);
+// Throws Error(Usage) if an option was given, by key, whose value the layout fixes.
+void checkLayoutOptions(const Settings& settings, const std::map<std::string, std::string, std::less<>>& given);
 // Returns true if the settings choose or repeat an animation but have no time, so that the scene would be at rest.
 // checkSettings() accepts them, because a sequence and the viewer set the time later.
 bool playsWithoutTime(const Settings& settings);

@@ -45,14 +45,18 @@ bool usesSensor(const Settings& s) {
   return showsPicture(s) && (changesPicture(s) || requestsRaw(s) || s.jpegQuality);
 }
 
-Settings sensedSettings(const Settings& s) {
+void checkSensor(const Settings& s) {
   const uint32_t highest = (1u << s.bitDepth) - 1;
   if (s.blackLevel >= highest)
     badUsage("--black-level {} must be below the highest value of --bit-depth {}, which is {}", s.blackLevel,
              s.bitDepth, highest);
-  if (!showsPicture(s) || (!changesPicture(s) && !requestsRaw(s))) return s;
-  if (s.aa.fxaa && changesPicture(s))
+  if (s.aa.fxaa && showsPicture(s) && changesPicture(s))
     badUsage("--aa fxaa smooths the finished picture, before which the sensor adds its noise: use ss2 or more");
+}
+
+Settings sensedSettings(const Settings& s) {
+  checkSensor(s);
+  if (!showsPicture(s) || (!changesPicture(s) && !requestsRaw(s))) return s;
   Settings sensed = s;
   if (changesPicture(s)) sensed.display = false;
   if (!output::contains(sensed.aovs, Aov::Color)) sensed.aovs.push_back(Aov::Color);

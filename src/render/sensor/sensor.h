@@ -18,8 +18,10 @@ namespace latelight::render {
 
 // Returns true if applySensor() changes or adds anything.
 bool usesSensor(const Settings& settings);
+// Throws Error(Usage) for options that the sensor does not support with the requested outputs.
+void checkSensor(const Settings& settings);
 // Returns the settings with which the device renders the pictures that applySensor() then completes: with the linear
-// picture among the outputs, if the sensor reads it. Throws Error(Usage) for options that it does not support.
+// picture among the outputs, if the sensor reads it. Throws the errors of checkSensor().
 Settings sensedSettings(const Settings& settings);
 // Returns the settings with an ideal sensor, whose pictures are the light that reaches the lens.
 Settings idealSensorSettings(const Settings& settings);

@@ -17,11 +17,11 @@
 #include "render/options/options.h"
 #include "render/outputs/raw_read.h"
 #include "render/sensor/sensor.h"
-#include "render/shadow/choose.h"
 #include "render/submit/frame_passes.h"
 #include "render/submit/job.h"
 #include "render/submit/lens_settings.h"
 #include "render/submit/request.h"
+#include "render/submit/scene_checks.h"
 #include "render/visibility/compute/compute.h"
 #include "shared/light.h"
 
@@ -135,19 +135,11 @@ bool isAtRest(const SceneState& moment) {
 void checkScene(const vk::Device& device, const scene::Scene& scene, bool hasEnvironment, const Settings& settings,
                 const SceneState& moment) {
   checkSettings(settings);
-  const bool anyEnvironment = hasEnvironment || !moment.worlds.environments.empty();
-  if (settings.background.kind == Background::Environment && !anyEnvironment)
-    badUsage("the background hdri requires an environment: choose one (a .hdr or .exr file, or studio)");
+  checkBackground(settings, hasEnvironment || !moment.worlds.environments.empty());
   checkRaysInWorlds(settings, moment.worlds);
   requireRaster(device, settings);
   // Worlds may have lights of their own, which are checked when their shadows are planned.
-  if (settings.shadowLights.names.empty() || settings.shadows == ShadowFormat::None || !isLit(settings) ||
-      moment.worlds.count > 0)
-    return;
-  std::vector<scene::Light> lights = scene.lights;
-  std::erase_if(lights, &scene::Light::removed);
-  if (const std::optional<scene::Light> sun = sunOf(settings)) lights.push_back(*sun);
-  if (!lights.empty()) checkShadowLights(settings.shadowLights, lights);
+  if (moment.worlds.count == 0) checkShadowLightsOf(scene, settings);
 }
 
 bool transmits(const scene::Scene& scene, const SceneState& moment) {  // some surface refracts the picture around it
