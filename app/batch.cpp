@@ -107,6 +107,8 @@ data::Job readJob(const BatchArguments& a) {
   data::JobDocument document;
   if (!a.job.empty()) document = data::readJobFile(a.job);
   if (a.job.empty() && a.given.empty()) badUsage("no job is given: name a job file, or use --scenes and --output");
+  // Another value than an object has no keys to replace; makeJob() rejects it. An empty file is a job without keys.
+  if (!document.json.is_object() && !document.json.is_null()) return data::makeJob(document);
   for (const auto& [key, value] : a.given.items())
     if (key == "options" && document.json.contains(key) && document.json[key].is_object()) {
       document.json[key].update(value);

@@ -1,4 +1,5 @@
 // The command line of batch: values that begin with brackets, and names that are invalid for files.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -201,6 +202,27 @@ TEST(BatchCommand, ErrorsInCamerasAndVariationsNameTheLine) {
               HasSubstr("latelight: variations[0].type must be one of"));
   EXPECT_THAT(errorOf("formats:\n  - files\n", {"--formats", "painting"}),
               HasSubstr("latelight: formats[0]: there is no format"));
+}
+
+// Options of the command line replace keys of a job file, but another value than an object has no keys.
+TEST(BatchCommand, JobFilesAreObjects) {
+  const Folder folder;
+  const auto run = [&](const std::string& name, const std::string& text) {
+    folder.write(name, text);
+    return latelight(batch(folder, {name, "--scenes", "builtin:boxes", "-o", "set", "--dry-run"}));
+  };
+  for (const char* text : {"[]", "[1]", "3", "\"x\"", "true"})
+    for (const char* name : {"job.json", "job.yaml"}) {
+      const Outcome outcome = run(name, text);
+      EXPECT_EQ(outcome.code, 2) << text << outcome.text();
+      EXPECT_EQ(outcome.err, fmt::format("latelight: {}:1: a job is an object of keys and values\n", name)) << text;
+    }
+  for (const char* text : {"plain words", "- a\n- b\n"}) {
+    const Outcome outcome = run("job.yaml", text);
+    EXPECT_EQ(outcome.code, 2) << text << outcome.text();
+    EXPECT_EQ(outcome.err, "latelight: job.yaml:1: a job is an object of keys and values\n") << text;
+  }
+  EXPECT_EQ(frames(run("job.yaml", "# no keys\n")), "1");
 }
 
 // The renderer rejects these options, so no frame could be rendered.
