@@ -1,4 +1,6 @@
 // The contents of the files of single frames, compared with closed forms and results computed by hand.
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -480,6 +482,13 @@ TEST_F(FormatFilesTest, WrongOptionsAreNamed) {
   EXPECT_THAT(said("exr", {{"file", "all.exr"}}), testing::HasSubstr("file with {name} in it"));
   EXPECT_THAT(said("exr", {{"file", "/tmp/{name}.exr"}}), testing::HasSubstr("below the data set's folder"));
   EXPECT_THAT(said("npz", {{"file", "../{name}.npz"}}), testing::HasSubstr("below the data set's folder"));
+  for (const auto& [name, key] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"bop", "split"}, {"colmap", "folder"}, {"hdf5", "folder"}, {"scannet", "folder"}, {"webdataset", "folder"}})
+    for (const char* folder : {"../x", "/x"})
+      EXPECT_THAT(said(name, {{key, folder}}),
+                  testing::HasSubstr(fmt::format("{} of the format {} takes a folder below the data set's folder, not "
+                                                 "\"{}\"",
+                                                 key, name, folder)));
   EXPECT_THAT(said("npz", {{"outputs", {"deep"}}}), testing::HasSubstr("there is no AOV \"deep\""));
   EXPECT_THAT(said("flow", {{"as", "gif"}}), testing::HasSubstr("one of flo, kitti"));
   EXPECT_THAT(said("depth-png", {{"scale", 0}}), testing::HasSubstr("a number from 0.001 to 10000"));

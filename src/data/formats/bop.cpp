@@ -63,7 +63,7 @@ class Bop : public Format {
  public:
   explicit Bop(const Json& json) {
     FormatOptions options("bop", json);
-    split_ = options.setFile("split", "train", "");
+    split_ = options.setFolder("split", "train");
     depthScale_ = options.number("depth-scale", 1, 1e-3, 1e4);
     numbers_ = BopNumbers(options.find("models"));
     options.finish();

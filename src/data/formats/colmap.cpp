@@ -58,7 +58,7 @@ class Colmap : public Format {
   explicit Colmap(const Json& json) {
     FormatOptions options("colmap", json);
     isText_ = options.choice("as", {"binary", "text"}) == "text";
-    folder_ = options.setFile("folder", "sparse", "");
+    folder_ = options.setFolder("folder", "sparse");
     spacing_ = static_cast<uint32_t>(options.number("points", kDefaultSpacing, 0, 4096));
     picture_ = PictureFile(options);
     options.finish();

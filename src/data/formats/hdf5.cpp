@@ -191,7 +191,7 @@ class Hdf5 : public Format {
     readKeys(options.find("keys"));
     categories_ = Categories("hdf5", options.find("categories"));
     alpha_ = options.flag("alpha", false);
-    folder_ = options.find("folder") ? options.setFile("folder", "", "") + "/" : "";
+    folder_ = options.find("folder") ? options.setFolder("folder", "") + "/" : "";
     options.finish();
     requireHdf5("hdf5");
   }

@@ -12,6 +12,15 @@ namespace latelight::data {
 
 using Json = nlohmann::ordered_json;
 
+namespace {
+
+// Returns true if a relative name may lead out of the folder that it is relative to.
+bool leavesFolder(const std::filesystem::path& name) {
+  return name.is_absolute() || std::ranges::find(name, "..") != name.end();
+}
+
+}  // namespace
+
 const Json* FormatOptions::find(std::string_view key) {
   if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
   const auto found = options_.find(std::string(key));
@@ -62,8 +71,7 @@ std::vector<output::Aov> FormatOptions::outputs(std::string_view key, const std:
 
 std::string FormatOptions::file(std::string_view key, std::string_view preset, std::string_view ending) {
   const std::string name = text(key, preset);
-  const std::filesystem::path path(name);
-  if (path.is_absolute() || std::ranges::find(path, "..") != path.end() || !lowercase(name).ends_with(ending))
+  if (leavesFolder(name) || !lowercase(name).ends_with(ending))
     wrong(key, fmt::format("a file below the data set's folder that ends in {}", ending));
   return name;
 }
@@ -77,6 +85,12 @@ std::string FormatOptions::frameFile(std::string_view key, std::string_view pres
 
 std::string FormatOptions::setFile(std::string_view key, std::string_view preset, std::string_view ending) {
   return file(key, preset, ending);
+}
+
+std::string FormatOptions::setFolder(std::string_view key, std::string_view preset) {
+  const std::string name = text(key, preset);
+  if (leavesFolder(name)) wrong(key, fmt::format("a folder below the data set's folder, not \"{}\"", name));
+  return name;
 }
 
 void FormatOptions::finish() const {

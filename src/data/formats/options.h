@@ -27,6 +27,8 @@ class FormatOptions {
   // "{name}", the placeholder for the frame's name.
   std::string frameFile(std::string_view key, std::string_view preset, std::string_view ending);
   std::string setFile(std::string_view key, std::string_view preset, std::string_view ending);
+  // Returns the name of a folder below the data set's folder.
+  std::string setFolder(std::string_view key, std::string_view preset);
   const nlohmann::ordered_json* find(std::string_view key);  // null if the key is missing
 
   // Rejects keys that no function above has read. Call it last.

@@ -78,7 +78,7 @@ class Scannet : public Format {
  public:
   explicit Scannet(const Json& json) : categories_("scannet", nullptr) {
     FormatOptions options("scannet", json);
-    folder_ = options.setFile("folder", "scans", "");
+    folder_ = options.setFolder("folder", "scans");
     categories_ = Categories("scannet", options.find("categories"));
     quality_ = static_cast<int>(options.number("quality", 95, 1, 100));
     options.finish();

@@ -77,7 +77,7 @@ class WebDataset : public Format {
     outputs_ = options.outputs("outputs", {Aov::Color, Aov::Depth, Aov::Id});
     isExr_ = options.choice("arrays", {"npy", "exr"}) == "exr";
     frames_ = static_cast<uint64_t>(options.number("frames", kDefaultFrames, 1, 1e9));
-    folder_ = options.setFile("folder", "shards", "");
+    folder_ = options.setFolder("folder", "shards");
     options.finish();
   }
 
