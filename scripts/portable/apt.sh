@@ -1,0 +1,34 @@
+# To be sourced. Packages of a Debian suite without root, and without a change to this system: apt-get with lists of its
+# own. Debian's keys check what it downloads.
+
+# use_suite FOLDER SUITE: apt_get then reads the suite's packages and sources; its lists are kept in FOLDER.
+use_suite() {
+  local folder=$1 suite=$2
+  local signed="[signed-by=/usr/share/keyrings/debian-archive-keyring.gpg]" kind
+  mkdir -p "$folder/state/lists/partial" "$folder/cache/archives/partial"
+  for kind in deb deb-src; do
+    echo "$kind $signed http://deb.debian.org/debian $suite main"
+    echo "$kind $signed http://deb.debian.org/debian-security $suite-security main"
+  done >"$folder/sources.list"
+  apt_options=(
+    -o "Dir::State=$folder/state" -o "Dir::State::status=/dev/null" -o "Dir::Cache=$folder/cache"
+    -o "Dir::Etc::SourceList=$folder/sources.list" -o "Dir::Etc::SourceParts=/dev/null"
+    -o "Acquire::Retries=3" -o "APT::Sandbox::User=root")
+  apt_get update
+}
+
+apt_get() { apt-get -q "${apt_options[@]}" "$@"; }
+
+# unpack_packages FOLDER PACKAGE...: the newest versions in the suite, into the folder. Nothing is configured. Links to
+# absolute paths are made relative, so that they lead to files of the folder.
+unpack_packages() {
+  local to=$1 work file link
+  shift
+  work=$(mktemp -d)
+  (cd "$work" && apt_get download "$@")
+  for file in "$work"/*.deb; do dpkg -x "$file" "$to"; done
+  rm -rf "$work"
+  find "$to" -type l -lname '/*' | while read -r link; do
+    ln -sfnr "$to$(readlink "$link")" "$link"
+  done
+}
