@@ -10,6 +10,7 @@
 #include <cstring>
 #include <new>
 #include <optional>
+#include <utility>
 
 #include "base/program_symbols.h"
 #include "base/temporary_file.h"
@@ -21,9 +22,15 @@ constexpr size_t kSignalStackBytes = 64 << 10;  // the registers of processors w
 
 std::atomic<bool> handled = false;
 
-bool reportsCrash(int signal) {
-  constexpr int kCrashes[] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTRAP, SIGSYS};
-  return std::find(std::begin(kCrashes), std::end(kCrashes), signal) != std::end(kCrashes);
+// Returns the name of a signal that reports a crash, and null for another. (sigabbrev_np() requires glibc 2.32.)
+const char* crashName(int signal) {
+  constexpr std::pair<int, const char*> kCrashes[] = {{SIGSEGV, "SIGSEGV"}, {SIGBUS, "SIGBUS"},   {SIGILL, "SIGILL"},
+                                                      {SIGFPE, "SIGFPE"},   {SIGABRT, "SIGABRT"}, {SIGTRAP, "SIGTRAP"},
+                                                      {SIGSYS, "SIGSYS"}};
+  for (const auto& [crash, name] : kCrashes) {
+    if (crash == signal) return name;
+  }
+  return nullptr;
 }
 
 // All functions here are safe in a signal handler: backtrace() allocates only on its first call, in
@@ -32,10 +39,9 @@ void print(const char* text) {
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, std::strlen(text));
 }
 
-void printBacktrace(int signal) {
-  const char* name = sigabbrev_np(signal);
-  print("latelight: crashed by SIG");
-  print(name ? name : "?");
+void printBacktrace(const char* signal) {
+  print("latelight: crashed by ");
+  print(signal);
   print("; this is a bug in the program or in a driver: please report it with these lines\n");
   std::array<void*, 64> frames{};
   const int count = backtrace(frames.data(), static_cast<int>(frames.size()));
@@ -57,7 +63,7 @@ void endBy(int signal) {
   // would cut off its report.
   while (ending.test_and_set()) pause();
   removeTemporaryFiles();  // first: a crash may have left too little intact for the rest
-  if (reportsCrash(signal)) printBacktrace(signal);
+  if (const char* crash = crashName(signal)) printBacktrace(crash);
   std::signal(signal, SIG_DFL);
   raise(signal);  // ends the process once this returns
 }
