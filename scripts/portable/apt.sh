@@ -19,16 +19,31 @@ use_suite() {
 
 apt_get() { apt-get -q "${apt_options[@]}" "$@"; }
 
-# unpack_packages FOLDER PACKAGE...: the newest versions in the suite, into the folder. Nothing is configured. Links to
-# absolute paths are made relative, so that they lead to files of the folder.
+# The fields of a package that scripts/sbom reads, in its order.
+package_fields='${Package}\t${Version}\t${Architecture}\t${source:Package}\t${source:Version}\t${Homepage}\n'
+
+# unpack_packages FOLDER PACKAGE...: the newest versions in the suite, into the folder; prints the fields of each. Nothing
+# is configured. Links to absolute paths are made relative, so that they lead to files of the folder.
 unpack_packages() {
   local to=$1 work file link
   shift
   work=$(mktemp -d)
-  (cd "$work" && apt_get download "$@")
-  for file in "$work"/*.deb; do dpkg -x "$file" "$to"; done
+  (cd "$work" && apt_get download "$@" >&2)
+  for file in "$work"/*.deb; do
+    dpkg -x "$file" "$to"
+    dpkg-deb --show --showformat="$package_fields" "$file"
+  done
   rm -rf "$work"
   find "$to" -type l -lname '/*' | while read -r link; do
     ln -sfnr "$to$(readlink "$link")" "$link"
+  done
+}
+
+# copy_notices ROOT FOLDER: of the packages whose fields are on standard input, from ROOT/usr/share/doc.
+copy_notices() {
+  local root=$1 to=$2 package source rest
+  mkdir -p "$to"
+  while IFS=$'\t' read -r package _ _ source rest; do
+    install -m 644 "$root/usr/share/doc/$package/copyright" "$to/$source.txt"
   done
 }
