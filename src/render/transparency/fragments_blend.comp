@@ -7,6 +7,7 @@
 #include "render/transparency/fragments_push.h"
 #include "render/transparency/fragment_lists.glsl"
 #include "render/transparency/short_list.glsl"
+#include "render/glsl/halves.glsl"
 #include "render/transparency/weight.glsl"
 #include "render/glsl/samples.glsl"
 
@@ -25,7 +26,7 @@ float through[kSamples];
 // Blends a fragment over the samples that it covers.
 void lay(uint fragment, Projection projection) {
   Fragment f = FragmentsRef(push.lists.fragments).v[fragment];
-  vec4 color = vec4(unpackHalf2x16(f.color.x), unpackHalf2x16(f.color.y));
+  vec4 color = vec4(floatsFromHalves(f.color.x), floatsFromHalves(f.color.y));
   float weight = 1.0;
   if (kWeighted != 0u) weight = weightAt(viewDepth(projection, uintBitsToFloat(f.depth)), color.a);
   for (uint i = 0u; i < kSamples; ++i) {

@@ -1,5 +1,6 @@
 // The common part of the filter's passes: the inputs, and the weight of a neighbor by its surface.
 #include "render/glsl/common.glsl"
+#include "render/glsl/halves.glsl"
 #include "render/lighting/reference/indirect_filter_push.h"
 #include "shared/color.h"
 #include "shared/normal/octahedral.h"

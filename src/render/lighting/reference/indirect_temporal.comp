@@ -65,7 +65,7 @@ vec2 framesAt(ivec3 place, Expected e) {
   bool same = state.w != 0u && state.z == e.instance &&
               abs(uintBitsToFloat(state.x) - e.distance) <= e.tolerance &&
               dot(directionFromOctahedral(unpackSnorm2x16(state.y)), e.normal) > 0.9;
-  return same ? unpackHalf2x16(state.w) : vec2(0.0);
+  return same ? floatsFromHalves(state.w) : vec2(0.0);
 }
 
 // The mean square of the luminances of all samples in a signal.

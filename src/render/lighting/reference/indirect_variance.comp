@@ -53,7 +53,7 @@ void main() {
       add(scattered, texelFetch(scatteredLight, at, 0), surfaceWeight(own, other, kScatteredSharpness), at == place);
       add(mirrored, texelFetch(mirroredLight, at, 0), surfaceWeight(own, other, sharpness), at == place);
     }
-  vec2 frames = kHistory != 0u ? unpackHalf2x16(texelFetch(historySurface, place, 0).w) : vec2(1.0);
+  vec2 frames = kHistory != 0u ? floatsFromHalves(texelFetch(historySurface, place, 0).w) : vec2(1.0);
   imageStore(filteredScattered, place, own.some ? estimated(scattered, signal, frames.x) : vec4(0.0));
   imageStore(filteredMirrored, place, own.some ? estimated(mirrored, mirror, frames.y) : vec4(0.0));
 }

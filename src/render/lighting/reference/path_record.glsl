@@ -2,6 +2,7 @@
 // it toward the first one.
 #ifndef LATELIGHT_PATH_RECORD_GLSL
 #define LATELIGHT_PATH_RECORD_GLSL
+#include "render/glsl/halves.glsl"
 #include "render/lighting/reference/path_lobes.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PathRecordsRef { PathRecord v[]; };
@@ -43,11 +44,11 @@ vec3 recordPlane(PathRecord r) { return directionFromOctahedral(unpackSnorm2x16(
 
 Surface recordSurface(PathRecord r) {
   Surface s = emptySurface();
-  vec2 color = unpackHalf2x16(r.color[1]), specular = unpackHalf2x16(r.specular[1]);
+  vec2 color = floatsFromHalves(r.color[1]), specular = floatsFromHalves(r.specular[1]);
   s.normal = recordNormal(r);
-  s.baseColor = vec3(unpackHalf2x16(r.color[0]), color.x);
+  s.baseColor = vec3(floatsFromHalves(r.color[0]), color.x);
   s.metallic = color.y;
-  s.f0 = vec3(unpackHalf2x16(r.specular[0]), specular.x);
+  s.f0 = vec3(floatsFromHalves(r.specular[0]), specular.x);
   s.roughness = specular.y;
   s.f90 = r.f90;
   return s;
