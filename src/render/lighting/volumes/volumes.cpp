@@ -356,6 +356,8 @@ uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
       }
       vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, ++reference);
       recordStep(commands, *draw->mark, draw->shape, steps_[*draw->mark]);
+      // lavapipe of Mesa 25 loses them for fragment shaders when a pipeline without such a shader draws.
+      context.commands().push(screen, push);
     }
     recordLight(commands, *draw, reference);
     ++passes;
