@@ -307,14 +307,16 @@ SH_FUNC vec4 transmittedRayOf(Arguments a) {
   C(samplePlace, 3e-7f, 0.0f, (pad(samplePlace(someSamples(a), (a.k >> 8u) % someSamples(a)))))                        \
   C(unpackColor24, 4e-6f, 1e-7f, (pad(unpackColor24(a.k))))
 
+// Does not return early, because compilers nest such branches, and lavapipe ignores conditions more than 80 deep.
 SH_FUNC vec4 evaluateFunction(uint function, Arguments a) {
   uint index = 0u;
+  vec4 found = vec4(0.0f, 0.0f, 0.0f, 0.0f);
 #define EVALUATE(name, relative, absolute, result) \
-  if (function == index) return result;            \
+  if (function == index) found = result;           \
   index += 1u;
   FUNCTION_CASES(EVALUATE)
 #undef EVALUATE
-  return vec4(0.0f, 0.0f, 0.0f, 0.0f);
+  return found;
 }
 
 SH_END
