@@ -8,9 +8,16 @@
 SH_BEGIN
 
 // FrameConstants::environmentMap: the layer of the environment's maps in the low bits, then the level of the specular
-// map that is the environment's level 0.
+// map that is the environment's level 0, then whether the specular and the diffuse map are among those of floats
+// (kEnvironmentTwoTypes).
 SH_CONST uint kEnvironmentLayerMask = 65535u;
-SH_CONST uint kEnvironmentLevelShift = 16u;
+SH_CONST uint kEnvironmentLevelShift = 16u, kEnvironmentLevelMask = 255u;
+SH_CONST uint kEnvironmentFloatSpecular = 1u << 30u, kEnvironmentFloatDiffuse = 1u << 31u;
+
+// The environments that a pass shades with, as the specialization constant kEnvironment.
+SH_CONST uint kEnvironmentNone = 0u;
+SH_CONST uint kEnvironmentOneType = 1u;   // all maps have the same type of texels
+SH_CONST uint kEnvironmentTwoTypes = 2u;  // worlds have environments with halves and others with floats
 
 // Rotates a world direction to the environment's own frame, about Z. At 0 degrees the image's center column is at +X;
 // at 90 degrees it is at +Z of the glTF frame, which is -Y of the world.

@@ -13,6 +13,7 @@
 #include "render/gbuffer/layout.h"
 #include "render/gpu_scene/gpu_environment.h"
 #include "render/gpu_scene/gpu_scene.h"
+#include "shared/environment.h"
 #include "shared/types.h"
 
 namespace latelight::render {
@@ -58,9 +59,9 @@ struct FrameConfig {
   bool localLights = true;           // point or spot lights exist; false: light lists are empty
   bool fewLights = false;            // on a CPU device, a loop over all lights is faster than light culling
   uint32_t areaLights = 0;           // kAreaLights*
-  bool environment = true;           // the renderer has an environment
-  bool vast = false;                 // some triangles are vast (GpuInstances::anyVast)
-  bool fog = false;                  // the constants define fog
+  uint32_t environment = shared::kEnvironmentOneType;  // kEnvironment*
+  bool vast = false;                                   // some triangles are vast (GpuInstances::anyVast)
+  bool fog = false;                                    // the constants define fog
   TransparencySetup transparency;
   uint32_t shadowFormat = 0;     // kShadow*
   uint32_t shadowFilter = 0;     // kShadowFilter*

@@ -19,7 +19,7 @@ std::vector<vk::Constant> FrameConfig::constants() const {
           {kLightsConstant, lights ? 1u : 0u},
           {kAmbientOcclusionConstant, ambientOcclusion},
           {kLensConstant, lens ? 1u : 0u},
-          {kEnvironmentConstant, environment ? 1u : 0u},
+          {kEnvironmentConstant, environment},
           {kFewLightsConstant, fewLights ? 1u : 0u},
           {kAreaLightsConstant, areaLights},
           {kVastConstant, vast ? 1u : 0u}};

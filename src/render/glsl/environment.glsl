@@ -26,11 +26,20 @@ struct EnvironmentPlace {
 };
 EnvironmentPlace environmentPlace(FrameConstants frame) {
   return EnvironmentPlace(float(frame.environmentMap & kEnvironmentLayerMask),
-                          float(frame.environmentMap >> kEnvironmentLevelShift));
+                          float(frame.environmentMap >> kEnvironmentLevelShift & kEnvironmentLevelMask));
 }
 
-vec3 specularTexel(vec2 octahedral, EnvironmentPlace place, int size, float level) {
-  return textureLod(environmentSpecular, vec3(octahedralTexture(octahedral, float(size)), place.layer), level).rgb;
+// Halves are not converted to floats for worlds with environments of both types, because GPUs filter floats with other
+// rounding.
+bool hasFloats(FrameConstants frame, uint map) {
+  return kEnvironment == kEnvironmentTwoTypes && (frame.environmentMap & map) != 0u;
+}
+
+vec3 specularTexel(FrameConstants frame, vec2 octahedral, EnvironmentPlace place, int size, float level) {
+  vec3 at = vec3(octahedralTexture(octahedral, float(size)), place.layer);
+  vec3 texel = textureLod(environmentSpecular, at, level).rgb;
+  if (hasFloats(frame, kEnvironmentFloatSpecular)) texel = textureLod(environmentSpecularFloats, at, level).rgb;
+  return texel;
 }
 
 // Returns prefiltered radiance, interpolated between two levels.
@@ -41,7 +50,8 @@ vec3 environmentRadiance(FrameConstants frame, vec3 direction, float level) {
   // Each level has its own border, so trilinear filtering needs two bilinear fetches with different coordinates. Their
   // sizes follow from level 0, because lavapipe returns textureSize of the first lane's level for all lanes.
   int size = textureSize(environmentSpecular, 0).x >> int(stored);
-  vec3 a = specularTexel(o, place, size, stored), b = specularTexel(o, place, size >> 1, stored + 1.0);
+  vec3 a = specularTexel(frame, o, place, size, stored);
+  vec3 b = specularTexel(frame, o, place, size >> 1, stored + 1.0);
   return mix(a, b, level - lower);
 }
 
@@ -50,14 +60,16 @@ vec3 environmentLevel(FrameConstants frame, vec3 direction, float level) {
   EnvironmentPlace place = environmentPlace(frame);
   float stored = level + place.level;
   int size = textureSize(environmentSpecular, 0).x >> int(stored);
-  return specularTexel(environmentOctahedral(frame, direction), place, size, stored);
+  return specularTexel(frame, environmentOctahedral(frame, direction), place, size, stored);
 }
 
 // Returns irradiance / pi around a normal.
 vec3 environmentDiffuseAt(FrameConstants frame, vec3 normal) {
   vec2 o = environmentOctahedral(frame, normal);
-  vec2 texel = octahedralTexture(o, float(textureSize(environmentDiffuse, 0).x));
-  return textureLod(environmentDiffuse, vec3(texel, environmentPlace(frame).layer), 0.0).rgb;
+  vec3 at = vec3(octahedralTexture(o, float(textureSize(environmentDiffuse, 0).x)), environmentPlace(frame).layer);
+  vec3 texel = textureLod(environmentDiffuse, at, 0.0).rgb;
+  if (hasFloats(frame, kEnvironmentFloatDiffuse)) texel = textureLod(environmentDiffuseFloats, at, 0.0).rgb;
+  return texel;
 }
 
 // Returns the mean radiance over a reflected lobe. `diffuse` is environmentDiffuseAt() of the normal.
@@ -69,7 +81,9 @@ vec3 environmentLobe(FrameConstants frame, vec3 normal, vec3 toEye, float roughn
 }
 
 // A specialization constant comes first, because lavapipe executes both sides of a branch.
-bool hasEnvironment(FrameConstants frame) { return kEnvironment != 0u && frame.environmentIntensity != 0.0; }
+bool hasEnvironment(FrameConstants frame) {
+  return kEnvironment != kEnvironmentNone && frame.environmentIntensity != 0.0;
+}
 
 vec3 environmentLight(FrameConstants frame, Surface s, vec3 toEye) {
   if (!hasEnvironment(frame)) return vec3(0.0);

@@ -12,7 +12,7 @@ layout(constant_id = kSunInGbufferConstant) const uint kSunInGbuffer = 0;  // Fr
 layout(constant_id = kEverySampleConstant) const uint kEverySample = 0;
 layout(constant_id = kLightsConstant) const uint kLights = 1;  // FrameConfig::lights
 layout(constant_id = kAmbientOcclusionConstant) const uint kAmbientOcclusion = 0;
-layout(constant_id = kEnvironmentConstant) const uint kEnvironment = 1;  // FrameConfig::environment
+layout(constant_id = kEnvironmentConstant) const uint kEnvironment = 1;  // kEnvironment* of shared/environment.h
 layout(constant_id = kFewLightsConstant) const uint kFewLights = 0;      // FrameConfig::fewLights
 layout(constant_id = kAreaLightsConstant) const uint kAreaLights = 0;    // FrameConfig::areaLights
 #endif

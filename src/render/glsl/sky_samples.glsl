@@ -57,7 +57,7 @@ float skyDensity(SkyRange row, SkyRange column) {
 }
 
 bool hasCells(RayScene scene, FrameConstants frame) {
-  return kEnvironment != 0u && frame.environmentIntensity != 0.0 && scene.environment != 0ul;
+  return kEnvironment != kEnvironmentNone && frame.environmentIntensity != 0.0 && scene.environment != 0ul;
 }
 
 vec3 skyRadiance(FrameConstants frame, vec3 direction) {

@@ -25,60 +25,86 @@ VkFormat formatOf(bool isFloat) {
   return isFloat ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
 }
 
-void append(Texels& texels, const scene::RadianceMap& map, bool asFloats) {
-  const scene::RadianceMap converted =
-      asFloats && !map.isFloat ? scene::makeRadianceMap(scene::toFloats(map), true) : scene::RadianceMap{};
-  const Texels& from = converted.texels.empty() ? map.texels : converted.texels;
-  texels.insert(texels.end(), from.begin(), from.end());
+size_t blackBytes(uint32_t width, uint32_t height, bool isFloat) {
+  return scene::RadianceMap{.isFloat = isFloat, .texels = {}}.texelBytes() * width * height;
 }
 
 using Environments = std::span<const scene::Environment* const>;
 
-// Maps of different sizes share the levels of one mip chain: the first level of a smaller map is a later one of the
-// chain, so it has the same texels as in an image of its own. The levels without a map are black.
-vk::Image uploadSpecular(vk::Device& device, vk::Uploader& uploader, Environments environments,
-                         std::vector<uint32_t>& maps, uint32_t levels) {
+void append(Texels& texels, const scene::RadianceMap& map) {
+  texels.insert(texels.end(), map.texels.begin(), map.texels.end());
+}
+
+// Returns true if one of these maps has halves and another one floats.
+template <typename MapOf>
+bool haveTwoTypes(Environments environments, MapOf mapOf) {
+  return std::ranges::any_of(environments, [&](const auto* environment) {
+    return mapOf(*environment).isFloat != mapOf(*environments[0]).isFloat;
+  });
+}
+
+const scene::RadianceMap& specularOf(const scene::Environment& environment) {
+  return environment.specular[0];
+}
+const scene::RadianceMap& diffuseOf(const scene::Environment& environment) {
+  return environment.diffuse;
+}
+
+// How specular maps of different sizes share the levels of one mip chain: the first level of a smaller map is a later
+// one of the chain, so it has the same texels as in an image of its own.
+struct SpecularChain {
   uint32_t widest = 0, narrowest = ~0u;
-  bool isFloat = false;
-  for (const scene::Environment* environment : environments) {
-    widest = std::max(widest, environment->specular[0].width);
-    narrowest = std::min(narrowest, environment->specular[0].width);
-    isFloat |= environment->specular[0].isFloat;
+  uint32_t levels;  // of each map
+
+  SpecularChain(Environments environments, uint32_t levels) : levels(levels) {
+    for (const scene::Environment* environment : environments) {
+      widest = std::max(widest, specularOf(*environment).width);
+      narrowest = std::min(narrowest, specularOf(*environment).width);
+    }
   }
-  const auto levelOf = [&](uint32_t width) { return static_cast<uint32_t>(std::bit_width(widest / width) - 1); };
-  const uint32_t all = levels + levelOf(narrowest);
+  uint32_t firstOf(uint32_t width) const { return static_cast<uint32_t>(std::bit_width(widest / width) - 1); }
+  uint32_t all() const { return levels + firstOf(narrowest); }
+};
+
+// Uploads the specular maps with this type of texels. The levels without a map, and the layers of environments whose
+// map has the other type, are black.
+vk::Image uploadSpecular(vk::Device& device, vk::Uploader& uploader, Environments environments,
+                         const SpecularChain& chain, bool isFloat) {
   Texels texels;
-  for (uint32_t layer = 0; layer < environments.size(); ++layer) {
-    const std::vector<scene::RadianceMap>& own = environments[layer]->specular;
-    const uint32_t first = levelOf(own[0].width);
-    maps.push_back(layer | first << shared::kEnvironmentLevelShift);
-    for (uint32_t level = 0; level < all; ++level) {
-      const size_t width = widest >> level;
-      if (level < first || level >= first + levels)
-        texels.resize(texels.size() + width * width * 4 * (isFloat ? sizeof(float) : sizeof(uint16_t)));
+  for (const scene::Environment* environment : environments) {
+    const std::vector<scene::RadianceMap>& own = environment->specular;
+    const uint32_t first = chain.firstOf(own[0].width);
+    for (uint32_t level = 0; level < chain.all(); ++level) {
+      const uint32_t width = chain.widest >> level;
+      if (own[0].isFloat == isFloat && level >= first && level < first + chain.levels)
+        append(texels, own[level - first]);
       else
-        append(texels, own[level - first], isFloat);
+        texels.resize(texels.size() + blackBytes(width, width, isFloat));
     }
   }
   return upload(device, uploader,
                 {.format = formatOf(isFloat),
-                 .width = widest,
-                 .height = widest,
+                 .width = chain.widest,
+                 .height = chain.widest,
                  .layers = static_cast<uint32_t>(environments.size()),
-                 .levels = all,
+                 .levels = chain.all(),
                  .name = "environment specular"},
                 texels);
 }
 
-vk::Image uploadDiffuse(vk::Device& device, vk::Uploader& uploader, Environments environments) {
-  bool isFloat = false;
-  for (const scene::Environment* environment : environments) isFloat |= environment->diffuse.isFloat;
+vk::Image uploadDiffuse(vk::Device& device, vk::Uploader& uploader, Environments environments, bool isFloat) {
+  const uint32_t width = environments[0]->diffuse.width, height = environments[0]->diffuse.height;
   Texels texels;
-  for (const scene::Environment* environment : environments) append(texels, environment->diffuse, isFloat);
+  for (const scene::Environment* environment : environments) {
+    if (environment->diffuse.isFloat == isFloat)
+      append(texels, environment->diffuse);
+    else
+      texels.resize(texels.size() + blackBytes(width, height, isFloat));
+  }
   return upload(device, uploader,
                 {.format = formatOf(isFloat),
-                 .width = environments[0]->diffuse.width,
-                 .height = environments[0]->diffuse.height,
+                 .width = width,
+                 .height = height,
                  .layers = static_cast<uint32_t>(environments.size()),
                  .name = "environment diffuse"},
                 texels);
@@ -108,8 +134,7 @@ GpuEnvironment::GpuEnvironment(vk::Device& device, std::span<const scene::Enviro
   const Environments environments = given[0] ? given : Environments(none);
   levels_ = static_cast<uint32_t>(environments[0]->specular.size());
   vk::Uploader uploader(device);
-  specular_ = uploadSpecular(device, uploader, environments, maps_, levels_);
-  diffuse_ = uploadDiffuse(device, uploader, environments);
+  uploadMaps(device, uploader, environments);
   for (const scene::Environment* environment : environments) {
     const scene::RadianceMap& map = environment->radiance;
     radiance_.push_back(upload(
@@ -134,11 +159,36 @@ GpuEnvironment::GpuEnvironment(vk::Device& device, std::span<const scene::Enviro
   equirectangularSampler_ = vk::makeSampler(device, clamp);
 }
 
+void GpuEnvironment::uploadMaps(vk::Device& device, vk::Uploader& uploader, Environments environments) {
+  const SpecularChain chain(environments, levels_);
+  const bool twoSpecular = haveTwoTypes(environments, specularOf), twoDiffuse = haveTwoTypes(environments, diffuseOf);
+  specular_ =
+      uploadSpecular(device, uploader, environments, chain, !twoSpecular && specularOf(*environments[0]).isFloat);
+  if (twoSpecular) specularFloats_ = uploadSpecular(device, uploader, environments, chain, true);
+  diffuse_ = uploadDiffuse(device, uploader, environments, !twoDiffuse && diffuseOf(*environments[0]).isFloat);
+  if (twoDiffuse) diffuseFloats_ = uploadDiffuse(device, uploader, environments, true);
+  for (uint32_t layer = 0; layer < environments.size(); ++layer) {
+    const scene::Environment& environment = *environments[layer];
+    uint32_t map = layer | chain.firstOf(specularOf(environment).width) << shared::kEnvironmentLevelShift;
+    if (twoSpecular && specularOf(environment).isFloat) map |= shared::kEnvironmentFloatSpecular;
+    if (twoDiffuse && diffuseOf(environment).isFloat) map |= shared::kEnvironmentFloatDiffuse;
+    maps_.push_back(map);
+  }
+}
+
+uint32_t GpuEnvironment::kind() const {
+  return specularFloats_ || diffuseFloats_ ? shared::kEnvironmentTwoTypes : shared::kEnvironmentOneType;
+}
+
 std::vector<vk::BoundImage> GpuEnvironment::bindings() const {
+  const vk::Image &specularFloats = specularFloats_ ? specularFloats_ : specular_,
+                  &diffuseFloats = diffuseFloats_ ? diffuseFloats_ : diffuse_;
   return {{specular_.arrayView(), clampSampler_.get()},
           {diffuse_.arrayView(), clampSampler_.get()},
           {table_.view(), clampSampler_.get()},
-          {lobes_.view(), clampSampler_.get()}};
+          {lobes_.view(), clampSampler_.get()},
+          {specularFloats.arrayView(), clampSampler_.get()},
+          {diffuseFloats.arrayView(), clampSampler_.get()}};
 }
 
 }  // namespace latelight::render

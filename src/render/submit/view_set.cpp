@@ -214,7 +214,7 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
   setup.codedTextureSlots = state_.scene.materials().codedTextureSlots();
   setup.materialTraits = state_.scene.materials().traits();
   setup.layers = state_.scene.materials().layers();
-  setup.environment = state_.hasEnvironment;
+  setup.environment = state_.hasEnvironment ? state_.environment->kind() : shared::kEnvironmentNone;
   // On GPUs, light loops stay enabled, so that the first light that an edit adds creates no pipelines.
   setup.lights = !state_.device.isCpu() || state_.scene.lightCount() > 0;
   setup.localLights = state_.scene.localLights() > 0;
