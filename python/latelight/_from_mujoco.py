@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import importlib
 import math
@@ -221,18 +222,32 @@ def _transforms(positions: Any, matrices: Any, ids: np.ndarray, what: str, count
         expected = "all of the model's elements" if count is None else f"all of the model's elements, {count},"
         raise UsageError(f"{what}_xpos must have {expected} and has {elements}")
 
-    chosen = ids.tolist()
+    chosen = _indices(tuple(ids.tolist()), positions)
     placed = xp.concatenate([rows[:, chosen] * _constant(flip, positions), positions[:, chosen][..., None]], -1)
-    turned = placed[:, :, [0, 2, 1]]  # (x, y, z) becomes (x, z, -y)
-    return turned * _constant([[1.0], [1.0], [-1.0]], positions)
+    turned = placed[:, :, _indices((0, 2, 1), positions)]  # (x, y, z) becomes (x, z, -y)
+    return turned * _constant(((1.0,), (1.0,), (-1.0,)), positions)
 
 
-def _constant(values: Any, like: Any) -> Any:
+def _constant(values: tuple[Any, ...], like: Any) -> Any:
     """An array of the same package, device and type as another one."""
     xp = _namespace(like)
     if xp.__name__ == "torch":
-        return xp.tensor(values, device=like.device, dtype=like.dtype)
+        return _torch_constant(values, like.device, like.dtype)
     return xp.asarray(values, like.dtype)
+
+
+def _indices(ids: tuple[int, ...], like: Any) -> Any:
+    """Indices of elements along an axis of an array of this package and device."""
+    xp = _namespace(like)
+    return _torch_constant(ids, like.device, xp.int64) if xp.__name__ == "torch" else list(ids)
+
+
+@functools.lru_cache(maxsize=64)
+def _torch_constant(values: tuple[Any, ...], device: Any, dtype: Any) -> Any:
+    """A tensor that stays in the device's memory, because each copy from the host waits for the device."""
+    torch = importlib.import_module("torch")
+    with torch.inference_mode(False):
+        return torch.tensor(values, device=device, dtype=dtype)
 
 
 def _vectors(vectors: Any, name: str, ids: list[int], count: int | None) -> Any:
@@ -244,8 +259,8 @@ def _vectors(vectors: Any, name: str, ids: list[int], count: int | None) -> Any:
         raise UsageError(f"{name} must have the shape (N, nlight, 3), not {tuple(vectors.shape)}")
     if count is not None and vectors.shape[1] != count or max(ids) >= vectors.shape[1]:
         raise UsageError(f"{name} must have all of the model's lights, {count}, and has {vectors.shape[1]}")
-    turned = vectors[:, ids][..., [0, 2, 1]]  # (x, y, z) becomes (x, z, -y)
-    return turned * _constant([1.0, 1.0, -1.0], vectors)
+    turned = vectors[:, _indices(tuple(ids), vectors)][..., _indices((0, 2, 1), vectors)]  # to (x, z, -y)
+    return turned * _constant((1.0, 1.0, -1.0), vectors)
 
 
 def _sharp_normals(positions: np.ndarray, normals: np.ndarray) -> np.ndarray:

@@ -1,5 +1,9 @@
 """Scenes from MuJoCo models, compared with MuJoCo's own rays and camera geometry; worlds; Gymnasium."""
 
+import contextlib
+import sys
+import types
+
 import numpy as np
 import pytest
 
@@ -93,6 +97,35 @@ def test_worlds_show_what_rays_of_mujoco_find(model, robot, robot_renderer):
             np.testing.assert_allclose(
                 frame["depth"][pixels[:, 1], pixels[:, 0]][hit], depths[hit], rtol=5e-3, err_msg=f"{world} {camera}"
             )
+
+
+class FakeTensor(np.ndarray):
+    """An array that the conversion takes for one of torch, whose device reports the copies to it."""
+
+    device = "cuda:0"
+
+
+def test_worlds_of_tensors_copy_constants_once(model, robot, monkeypatch):
+    """A copy from the host waits for the device, so steady calls make none."""
+    FakeTensor.__module__ = "torch"
+    copies = []
+
+    def tensor(values, device, dtype):
+        copies.append(values)
+        return np.array(values, dtype).view(FakeTensor)
+
+    torch = types.ModuleType("torch")
+    torch.tensor, torch.int64, torch.concatenate = tensor, np.int64, np.concatenate
+    torch.inference_mode = lambda mode: contextlib.nullcontext()
+    monkeypatch.setitem(sys.modules, "torch", torch)
+    rng = np.random.default_rng(0)
+    positions, axes = rng.normal(size=(2, model.ngeom, 3)), rng.normal(size=(2, model.ngeom, 3, 3))
+    expected = robot.worlds(geom_xpos=positions, geom_xmat=axes)["transforms"]
+    for call in range(2):
+        copies.clear()
+        found = robot.worlds(geom_xpos=positions.view(FakeTensor), geom_xmat=axes.view(FakeTensor))["transforms"]
+        assert isinstance(found, FakeTensor) and np.array_equal(found, expected)
+        assert (len(copies) > 0) == (call == 0)
 
 
 def test_worlds_are_batches_of_mjx():
