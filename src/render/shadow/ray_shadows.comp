@@ -4,14 +4,19 @@
 // Adds the light of lights that cast shadows, and traces rays to them: one to a light without size, and several to the
 // disk of a light with a radius. Inputs: the G-buffer, FrameConstants::shadowMaps (RayShadow) and the scene's BVHs.
 // Output: lightTarget. The lighting technique has added all other light before.
+//
+// In spans of pixels, which require that there is one light, a subgroup lists the pixels that face the light, and
+// lights them when it has one per lane. Otherwise lanes without a ray would wait for the others.
 #define ONE_SAMPLE
 #define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/lit_pixel.glsl"
+#include "render/glsl/pixel_span.glsl"
 #include "render/glsl/ray_samples.glsl"
 #include "render/glsl/rays.glsl"
+#include "render/glsl/subgroup_shared_barrier.glsl"
 #include "render/shadow/ray_shadows_push.h"
 
 layout(push_constant, scalar) uniform Push { RayShadowsPush push; };
@@ -52,15 +57,25 @@ float litByRays(FrameConstants frame, View view, Light light, RayShadow shadow, 
   return lit / float(shadow.rays);
 }
 
+RayShadow shadowOf(FrameConstants frame, int view, uint column) {
+  return RayShadowRef(frame.shadowMaps).v[uint(view) * push.viewStride + column];
+}
+uint lightOf(FrameConstants frame, RayShadow shadow) {
+  return min(shadow.light, max(frame.lightCount, 1u) - 1u);  // as triangleOfTile()
+}
+bool reaches(LightSample arriving, Surface s) {
+  return arriving.attenuation * dot(s.normal, arriving.toLight) > 0.0;  // the factor of shadeLight()
+}
+
 // Returns `radiance` plus that of the lights of this pass.
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p, vec3 radiance) {
   uint i = push.first;
   do {
-    RayShadow shadow = RayShadowRef(frame.shadowMaps).v[uint(p.place.z) * push.viewStride + i];
-    uint index = min(shadow.light, max(frame.lightCount, 1u) - 1u);  // as triangleOfTile()
+    RayShadow shadow = shadowOf(frame, p.place.z, i);
+    uint index = lightOf(frame, shadow);
     Light light = frameLight(frame, index);
     LightSample arriving = sampleLight(light, p.s.position);
-    bool reached = arriving.attenuation * dot(p.s.normal, arriving.toLight) > 0.0;  // the factor of shadeLight()
+    bool reached = reaches(arriving, p.s);
     float lit = 0.0;
     if (shadow.light < frame.lightCount && reached)
       lit = litByRays(frame, view, light, shadow, p.s, arriving.toLight);
@@ -73,13 +88,71 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p, vec3 radiance) {
   return radiance;
 }
 
+void lightSurface(FrameConstants frame, View view, LitPixel p) {
+  addLight(frame, p.place, lightsAt(frame, view, p, lightBefore(p.place)));
+}
+
+bool isReflecting(View view, LitPixel p) {
+  bool inside = all(lessThan(vec2(p.place.xy), view.size));
+  return inside && p.lit && !p.shadedSeparately && reflects(p.s);
+}
+
+LitPixel readInside(FrameConstants frame, View view, ivec3 place) {
+  return readPixel(frame, view, place, all(lessThan(vec2(place.xy), view.size)) ? 1u : 0u);
+}
+
+// --- spans -----------------------------------------------------------------------------------------------------------
+
+shared uint listed[2u * kPixelGroupX * kPixelGroupY];  // pixels, x | y << 16: two per invocation
+uint listBase;                                          // the subgroup's part of the list
+
+bool facesLight(FrameConstants frame, View view, ivec3 place) {
+  LitPixel p = readInside(frame, view, place);
+  if (!isReflecting(view, p)) return false;
+  RayShadow shadow = shadowOf(frame, place.z, push.first);
+  LightSample arriving = sampleLight(frameLight(frame, lightOf(frame, shadow)), p.s.position);
+  return shadow.light < frame.lightCount && reaches(arriving, p.s);
+}
+
+// Appends this lane's pixel to the subgroup's list if `wanted`. Returns the new length.
+uint appended(ivec3 place, bool wanted, uint length) {
+  uvec4 ballot = subgroupBallot(wanted);
+  uint at = listBase + length + subgroupBallotExclusiveBitCount(ballot);
+  if (wanted) listed[at] = uint(place.x) | uint(place.y) << 16u;
+  subgroupSharedBarrier();
+  return length + subgroupBallotBitCount(ballot);
+}
+
+// Lights the last pixels of the list, one per lane. Returns the new length.
+uint lightListed(FrameConstants frame, View view, uint length) {
+  uint left = length - min(length, gl_SubgroupSize), at = left + gl_SubgroupInvocationID;
+  if (at < length) {
+    uint pixel = listed[listBase + at];
+    lightSurface(frame, view, readPixel(frame, view, ivec3(pixel & 0xffffu, pixel >> 16u, gl_WorkGroupID.z), 1u));
+  }
+  subgroupSharedBarrier();
+  return left;
+}
+
+void lightSpan(FrameConstants frame, View view) {
+  listBase = 2u * gl_SubgroupSize * gl_SubgroupID;
+  uint length = 0u, block = 0u;
+  do {
+    ivec3 place = pixelOfSpan(block);
+    length = appended(place, facesLight(frame, view, place), length);
+    uint kept = ++block < blocksOfSpan() ? gl_SubgroupSize : 1u;
+    while (length >= kept) length = lightListed(frame, view, length);
+  } while (block < blocksOfSpan());
+}
+
 void main() {
   bindSurfaces(push.frame, push.shown);
   FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
-  ivec3 place = ownPixel();
-  View view = frameView(frame, place.z);
-  bool inside = all(lessThan(vec2(place.xy), view.size));
-  LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);
-  if (!inside || !p.lit || p.shadedSeparately || !reflects(p.s)) return;
-  addLight(frame, place, lightsAt(frame, view, p, lightBefore(place)));
+  View view = frameView(frame, gl_WorkGroupID.z);
+  if (kSpan > 1u) {
+    lightSpan(frame, view);
+    return;
+  }
+  LitPixel p = readInside(frame, view, ownPixel());
+  if (isReflecting(view, p)) lightSurface(frame, view, p);
 }

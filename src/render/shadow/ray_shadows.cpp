@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "render/base/pixel_span.h"
 #include "render/lighting/lighting_shader.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/shadow/ray_shadows_push.h"
@@ -34,6 +35,7 @@ void addRayShadows(const FrameContext& f, const Gbuffer& gbuffer) {
     pass.fullImage = false;
     // A GPU hides the loads behind other rays, a CPU does not.
     pass.constants.push_back({kReadsSurfaceAgainConstant, cpu ? 0u : 1u});
+    useSpans(pass, columns == 1 ? spanSide(f.device, pass.size) : 1);
     const shared::RayShadowsPush push{.frame = f.constants,
                                       .shown = {},
                                       .first = first,

@@ -6,7 +6,7 @@
 //   FrameConstants::rayScene, views  ->  trace_visible  ->  visible (visible.glsl)
 #define LOADS_TEXELS
 #include "render/glsl/common.glsl"
-#include "render/glsl/pixel_group.glsl"
+#include "render/glsl/pixel_span.glsl"
 #include "render/visibility/compute/visible.glsl"
 #include "render/visibility/rays/trace_push.h"
 #include "render/visibility/triangle_depth.glsl"
@@ -64,18 +64,24 @@ uint64_t visibleOf(FrameConstants frame, View view, RayHit hit, vec2 place) {
   return visibleValue(depth, UintRef(push.firstTriangles).v[hit.instance] + hit.triangle + 1u);
 }
 
-void main() {
-  ivec3 pixel = ownPixel();
-  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
-  View view = frameView(frame, uint(pixel.z));
+void traceSamples(FrameConstants frame, View view, ivec3 pixel) {
   if (any(greaterThanEqual(vec2(pixel.xy), view.size))) return;
   uint first = visibleIndex(uvec3(pixel), uvec2(view.size)), what = push.surfaces | view.group << kRayGroupShift;
   uint i = 0u;
-  do {  // tested at the end, because lavapipe would execute the body once more
+  do {  // tested at the end, here and below, because lavapipe would execute the body once more
     vec2 place = vec2(pixel.xy) + samplePlace(kSamples, i);
     RayHit hit = traceRay(frame, rayThrough(frame, view, place), what);
     uint64_t visible = uint64_t(0);
     if (isHit(hit)) visible = visibleOf(frame, view, hit, place);
     VisibleRef(push.visible).v[first + i] = visible;
   } while (++i < kSamples);
+}
+
+void main() {
+  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
+  View view = frameView(frame, gl_WorkGroupID.z);
+  uint block = 0u;
+  do {
+    traceSamples(frame, view, pixelOfSpan(block));
+  } while (++block < blocksOfSpan());
 }

@@ -1,6 +1,6 @@
 #include "render/visibility/rays/trace_visible.h"
 
-#include "render/base/pixel_group.h"
+#include "render/base/pixel_span.h"
 #include "render/visibility/compute/raster_chain.h"
 #include "render/visibility/rays/trace_push.h"
 #include "shared/rays.h"
@@ -23,9 +23,8 @@ VisibilityBuffer addTracedSurfaces(const FrameContext& f, const RasterInstances&
                    .constants = {{kSamplesConstant, f.setup.samples},
                                  {kLensConstant, f.lens ? 1u : 0u},
                                  {kAlphaTestConstant, share.anyMasked ? 1u : 0u}},
-                   .buffers = {{visible.ids, graph::Use::StorageWrite}},
-                   .groupX = shared::kPixelGroupX,
-                   .groupY = shared::kPixelGroupY};
+                   .buffers = {{visible.ids, graph::Use::StorageWrite}}};
+  useSpans(pass, spanSide(f.device, size));
   addVastConstant(f, pass);
   addCompute(f, std::move(pass),
              [ids = visible.ids, frame = f.constants, firstTriangles = rasterInstances.firstTriangles(),
