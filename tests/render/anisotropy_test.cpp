@@ -122,8 +122,11 @@ TEST_F(AnisotropyTest, FollowsTheTextureInEveryRenderingPath) {
   const auto same = [](scene::Material&) {};
   expectSharper(
       "deferred", [](Settings&) {}, same);
-  expectSharper(
-      "msaa4", [](Settings& s) { s.aa.samples = 4; }, same);
+  // With several samples, shaders state gradients, for which lavapipe of Mesa 25 ignores the sampler's anisotropy:
+  // images change if they sample without stating them.
+  if (device().info().driver.find("llvmpipe Mesa 25.") == std::string::npos)
+    expectSharper(
+        "msaa4", [](Settings& s) { s.aa.samples = 4; }, same);
   expectSharper(
       "ss2", [](Settings& s) { s.aa.superSampling = 2; }, same);
   expectSharper(
