@@ -13,8 +13,7 @@ constexpr const char* kPointer = "KHR_animation_pointer";
 
 class AnimationWriter {
  public:
-  AnimationWriter(const Scene& scene, Document& document, const Exported& exported)
-      : scene_(scene), document_(document), exported_(exported) {}
+  AnimationWriter(Document& document, const Exported& exported) : document_(document), exported_(exported) {}
 
   void add(const Animation& animation) {
     out_ = {{"name", animation.name}, {"channels", Json::array()}, {"samplers", Json::array()}};
@@ -108,7 +107,6 @@ class AnimationWriter {
     return out_["samplers"].size() - 1;
   }
 
-  const Scene& scene_;
   Document& document_;
   const Exported& exported_;
   Json out_;
@@ -129,7 +127,7 @@ void addSkins(const Scene& scene, Document& document, const Exported& exported) 
 }
 
 void addAnimations(const Scene& scene, Document& document, const Exported& exported) {
-  AnimationWriter writer(scene, document, exported);
+  AnimationWriter writer(document, exported);
   for (const Animation& animation : scene.rig.animations) writer.add(animation);
 }
 

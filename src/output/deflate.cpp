@@ -75,11 +75,12 @@ uint64_t difference(const uint8_t* bytes, size_t pixelBytes) {
 
 // Returns the end of the run that begins at or before `at`.
 size_t endOfRun(const uint8_t* bytes, size_t size, size_t pixelBytes, size_t at) {
-  const auto isSame = [&](size_t i) { return difference(bytes + i, pixelBytes) == 0; };
-  while (at + 4 * kWord <= size && isSame(at) & isSame(at + kWord) & isSame(at + 2 * kWord) & isSame(at + 3 * kWord))
+  const auto bitsAt = [&](size_t i) { return difference(bytes + i, pixelBytes); };
+  while (at + 4 * kWord <= size &&
+         (bitsAt(at) | bitsAt(at + kWord) | bitsAt(at + 2 * kWord) | bitsAt(at + 3 * kWord)) == 0)
     at += 4 * kWord;
   for (; at + kWord <= size; at += kWord)
-    if (const uint64_t bits = difference(bytes + at, pixelBytes)) return at + std::countr_zero(bits) / 8;
+    if (const uint64_t bits = bitsAt(at)) return at + std::countr_zero(bits) / 8;
   return at;
 }
 

@@ -82,7 +82,6 @@ uint32_t rayFlags(const shared::Instance& instance, const shared::Material& mate
 
 SceneBvh::SceneBvh(vk::Device& device, graph::Executor& executor, const scene::Scene& scene, GpuScene& gpuScene)
     : device_(device),
-      executor_(executor),
       scene_(scene),
       gpuScene_(gpuScene),
       nodes_(device, "ray nodes of instances"),

@@ -81,7 +81,6 @@ class SceneBvh {
   void recordRefits(graph::Context& context) const;
 
   vk::Device& device_;
-  graph::Executor& executor_;
   const scene::Scene& scene_;
   GpuScene& gpuScene_;
   std::unique_ptr<DeviceBvhBuilder> builder_;  // null: the host builds all BVHs
