@@ -273,7 +273,9 @@ TEST(GltfMaterial, IndicesOfRefractionOutOfRange) {
     const WarningCapture capture(warnings);
     const float f0 = b.load().materials.at(0).data.f0;
     EXPECT_EQ(warnings.size(), warning.empty() ? 0 : 1) << ior;
-    if (!warnings.empty()) EXPECT_THAT(warnings[0], HasSubstr(warning));
+    if (!warnings.empty()) {
+      EXPECT_THAT(warnings[0], HasSubstr(warning));
+    }
     return f0;
   };
   EXPECT_EQ(f0Of(0, ""), 1);

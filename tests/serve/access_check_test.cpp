@@ -62,7 +62,7 @@ TEST(GateTest, AcceptsTheAbsoluteFormOfTheSameHost) {
             "main.js");
   EXPECT_EQ(refusal("http://[::1]:8765/" + kToken + "/", "[::1]:8765", "http://[::1]:8765"), "");
   EXPECT_NE(refusal("http://evil.example/" + kToken + "/", "evil.example"), "");
-  for (const std::string& start :
+  for (const std::string start :
        {"http://", "http://localhost", "http://localhost:87655", "http://localhost:8765.evil", "http://evil.example",
         "http://x@localhost:8765", "http://localhost:8765@evil.example", "https://localhost:8765", "//localhost:8765",
         "http:/localhost:8765", "http://localhost:8765/x", "http://127.0.0.1:8765"})
