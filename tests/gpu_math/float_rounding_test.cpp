@@ -6,10 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include "gpu_math/spirv.h"
+#include "gpu_math/run_shader.h"
 #include "shared/random.h"
 #include "test_device.h"
-#include "vk/commands.h"
 #include "vk/resources.h"
 
 namespace latelight::shared {
@@ -43,20 +42,11 @@ std::vector<Rounded> roundOnDevice(const std::vector<double>& numbers) {
   vk::Buffer out(device,
                  {.size = numbers.size() * sizeof(Rounded), .kind = vk::MemoryKind::Readback, .name = "results"});
   std::ranges::copy(numbers, in.as<double>());
-  const vk::Pipeline pipeline =
-      vk::makePipeline(device, vk::ComputeDesc{.name = "round", .code = test::readSpirv("gpu_math_float_rounding")});
   struct {
     VkDeviceAddress numbers, results;
     uint count;
   } const push{in.address(), out.address(), static_cast<uint>(numbers.size())};
-  vk::DescriptorPool pool(device);
-  device.submitAndWait([&](VkCommandBuffer buffer) {
-    vk::Commands commands(device, buffer, pool);
-    commands.bind(pipeline, std::initializer_list<vk::BoundImage>{}, push);
-    commands.dispatch(push.count, 1, 1, 64, 1);
-    vk::recordMemoryBarrier(buffer, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
-                            VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
-  });
+  test::runShader(device, "gpu_math_float_rounding", push, push.count, 1, 64);
   EXPECT_TRUE(device.validationMessages().empty());
   return {out.as<Rounded>(), out.as<Rounded>() + numbers.size()};
 }

@@ -3,11 +3,10 @@
 
 #include <cstring>
 
-#include "gpu_math/spirv.h"
+#include "gpu_math/run_shader.h"
 #include "shared/function_cases.h"
 #include "shared/random.h"
 #include "test_device.h"
-#include "vk/commands.h"
 #include "vk/resources.h"
 
 namespace latelight::shared {
@@ -80,21 +79,12 @@ void Results::run(vk::Device& device) {
                        {.size = kCount * sizeof(Arguments), .kind = vk::MemoryKind::Upload, .name = "arguments"});
   vk::Buffer results(device, {.size = bytes, .kind = vk::MemoryKind::Readback, .name = "results"});
   std::memcpy(arguments.mapped(), arguments_.data(), kCount * sizeof(Arguments));
-  const vk::Pipeline pipeline =
-      vk::makePipeline(device, vk::ComputeDesc{.name = "functions", .code = test::readSpirv("gpu_math_functions")});
 
   struct {
     VkDeviceAddress arguments, results;
     uint count;
   } const push{arguments.address(), results.address(), kCount};
-  vk::DescriptorPool pool(device);
-  device.submitAndWait([&](VkCommandBuffer buffer) {
-    vk::Commands commands(device, buffer, pool);
-    commands.bind(pipeline, std::initializer_list<vk::BoundImage>{}, push);
-    commands.dispatch(kCount, static_cast<uint32_t>(std::size(kCases)), 1, kGroup, 1);
-    vk::recordMemoryBarrier(buffer, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
-                            VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
-  });
+  test::runShader(device, "gpu_math_functions", push, kCount, static_cast<uint32_t>(std::size(kCases)), kGroup);
   results_.assign(results.as<vec4>(), results.as<vec4>() + bytes / sizeof(vec4));
 }
 

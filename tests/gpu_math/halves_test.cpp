@@ -4,9 +4,8 @@
 #include <bit>
 #include <cmath>
 
-#include "gpu_math/spirv.h"
+#include "gpu_math/run_shader.h"
 #include "test_device.h"
-#include "vk/commands.h"
 #include "vk/resources.h"
 
 namespace latelight::shared {
@@ -27,20 +26,11 @@ TEST(Halves, AreConvertedToTheirFloats) {
   constexpr uint32_t kPairs = 1u << 15;
   vk::Device device({.selector = test::testDevice(), .validation = true});
   vk::Buffer out(device, {.size = kPairs * 2 * sizeof(float), .kind = vk::MemoryKind::Readback, .name = "floats"});
-  const vk::Pipeline pipeline =
-      vk::makePipeline(device, vk::ComputeDesc{.name = "halves", .code = test::readSpirv("gpu_math_halves")});
   struct {
     VkDeviceAddress results;
     uint32_t count;
   } const push{out.address(), kPairs};
-  vk::DescriptorPool pool(device);
-  device.submitAndWait([&](VkCommandBuffer buffer) {
-    vk::Commands commands(device, buffer, pool);
-    commands.bind(pipeline, std::initializer_list<vk::BoundImage>{}, push);
-    commands.dispatch(push.count, 1, 1, 64, 1);
-    vk::recordMemoryBarrier(buffer, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
-                            VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
-  });
+  test::runShader(device, "gpu_math_halves", push, push.count, 1, 64);
   EXPECT_TRUE(device.validationMessages().empty());
   for (uint32_t half = 0; half < 2 * kPairs; ++half) {
     const float found = out.as<float>()[half], expected = floatOfHalf(half);

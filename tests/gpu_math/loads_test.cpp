@@ -4,11 +4,10 @@
 #include <bit>
 #include <iterator>
 
-#include "gpu_math/spirv.h"
+#include "gpu_math/run_shader.h"
 #include "shared/random.h"
 #include "struct_headers.h"
 #include "test_device.h"
-#include "vk/commands.h"
 #include "vk/resources.h"
 
 namespace latelight::shared {
@@ -33,19 +32,10 @@ TEST(Loads, LoadWhatTheCompilerLoads) {
   Random random(1);
   for (uint i = 0; i < kBytes / sizeof(uint); ++i)  // no word is a NaN, which differs from itself
     structs.as<uint>()[i] = std::bit_cast<uint>(random.logUniform(1e-3f, 1e3f));
-  const vk::Pipeline pipeline =
-      vk::makePipeline(device, vk::ComputeDesc{.name = "loads", .code = test::readSpirv("gpu_math_loads")});
   struct {
     VkDeviceAddress structs, results;
   } const push{structs.address(), results.address()};
-  vk::DescriptorPool pool(device);
-  device.submitAndWait([&](VkCommandBuffer buffer) {
-    vk::Commands commands(device, buffer, pool);
-    commands.bind(pipeline, std::initializer_list<vk::BoundImage>{}, push);
-    commands.dispatch(1, 1, 1, 1, 1);
-    vk::recordMemoryBarrier(buffer, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
-                            VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
-  });
+  test::runShader(device, "gpu_math_loads", push, 1, 1, 1);
   for (size_t i = 0; i < std::size(kLoads); ++i) {
     EXPECT_LE(kLoads[i].bytes, kBytes) << kLoads[i].name;
     EXPECT_EQ(results.as<uint>()[i], 1u) << kLoads[i].name;

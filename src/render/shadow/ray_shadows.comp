@@ -5,8 +5,8 @@
 // disk of a light with a radius. Inputs: the G-buffer, FrameConstants::shadowMaps (RayShadow) and the scene's BVHs.
 // Output: lightTarget. The lighting technique has added all other light before.
 //
-// In spans of pixels, which require that there is one light, a subgroup lists the pixels that face the light, and
-// lights them when it has one per lane. Otherwise lanes without a ray would wait for the others.
+// Spans of pixels are used for a single light only. A subgroup lists the pixels that face the light, and shades them
+// when it has one per lane. Otherwise lanes without a ray would be idle.
 #define ONE_SAMPLE
 #define LOADS_TEXELS
 #include "render/glsl/common.glsl"
