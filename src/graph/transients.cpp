@@ -131,7 +131,10 @@ std::shared_ptr<TransientPlacement> TransientPool::place(const Graph& graph, con
 void TransientPool::tick() {
   std::lock_guard lock(mutex_);
   ++now_;
-  std::erase_if(placed_, [&](const auto& placed) { return placed->lastUse + kTransientLifetime < now_; });
+  // Recorded commands refer to some. Other graphs then share their memory, too.
+  std::erase_if(placed_, [&](const auto& placed) {
+    return placed.use_count() == 1 && placed->lastUse + kTransientLifetime < now_;
+  });
   tidy(images_, now_);
   tidy(buffers_, now_);
 }

@@ -65,6 +65,22 @@ TEST_F(ReplayTest, CamerasMove) {
   }
 }
 
+// Calls of an agent's loop, between which it evaluates.
+TEST_F(ReplayTest, RareCallsAreReplayed) {
+  const scene::Scene scene = workshop();
+  const Settings often = replaySettings();
+  Settings rarely = often;
+  rarely.width += 8;
+  Renderer renderer(device(), scene, &sky());
+  for (uint32_t call = 0; call < 40; ++call) {
+    SCOPED_TRACE(call);
+    const bool rare = call % 13 == 0;
+    const RenderResult result = renderer.submit(camerasOf(call), rare ? rarely : often).take();
+    EXPECT_EQ(result.statistics.replays, call > 13 ? 1u : result.statistics.replays);
+    if (rare) expectFresh(result, scene, camerasOf(call), rarely);
+  }
+}
+
 // Each call changes something: what is data is replayed, and nothing that is replayed is out of date.
 TEST_F(ReplayTest, EditsAndOtherRequestsComeBetween) {
   scene::Scene scene = workshop();

@@ -226,7 +226,7 @@ void SteadyWorlds::run(uint32_t steps, ShadowFormat shadows, Raster raster, Indi
       EXPECT_EQ((last.worldStatus[world] & shared::kWorldInvalid) != 0, world == step.broken) << world;
     invalid += step.broken < kSteadyWorlds;
     const auto one = static_cast<uint32_t>(random() % kSteadyWorlds);
-    if (i % 40 < 2 && one != step.broken) {
+    if (i % 20 < 2 && one != step.broken) {
       expectAlone(last, step, one, scene, alone, settings, ownLights);
       ++compared;
     }

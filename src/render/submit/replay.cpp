@@ -1,8 +1,11 @@
 #include "render/submit/replay.h"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "base/error.h"
@@ -15,15 +18,21 @@ namespace latelight::render {
 
 namespace {
 
-constexpr uint64_t kCallsKept = 4;      // calls after which an unused replay is dropped
+constexpr size_t kCallsKept = 4;        // different calls
+constexpr uint64_t kMaxAge = 256;       // calls after which an unused replay is dropped
 constexpr size_t kMaxReplays = 64;      // of a renderer: each has a command buffer and its results' memory
 constexpr size_t kMaxRemembered = 256;  // requests
 
 }  // namespace
 
+// An agent's loop alternates between a few calls, some of which are rare, such as those of an evaluation.
 void ReplayCache::tick() {
   ++calls_;
-  std::erase_if(entries_, [&](const Entry& entry) { return entry.lastCall + kCallsKept < calls_; });
+  std::set<uint64_t, std::greater<>> last{calls_};
+  for (const Entry& entry : entries_) last.insert(entry.lastCall);
+  const auto oldest = last.size() > kCallsKept ? *std::next(last.begin(), kCallsKept) : uint64_t{0};
+  std::erase_if(entries_,
+                [&](const Entry& entry) { return entry.lastCall < oldest || entry.lastCall + kMaxAge < calls_; });
 }
 
 ReplayCache::Entry* ReplayCache::entryOf(const ReplayKey& key) {

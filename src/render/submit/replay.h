@@ -74,7 +74,7 @@ struct Replay {
 
 class ReplayCache {
  public:
-  // Call it once per call of the renderer. Drops replays that the last few calls did not use.
+  // Call it once per call of the renderer. Drops replays that the last few different calls did not use.
   void tick();
   void clear() { entries_.clear(); }
   bool empty() const { return entries_.empty(); }
