@@ -95,7 +95,7 @@ TEST_F(EditCasesTest, ASceneThatBeginsEmpty) {
   EXPECT_TRUE(std::ranges::any_of(imageOf(frame, output::Aov::Color).values, [](float v) { return v > 0 && v < 1; }));
 }
 
-// Without point and spot lights, light lists are empty, and are not built.
+// Without point and spot lights, and with few, no light lists are built.
 TEST_F(EditCasesTest, ALocalLightNextToASun) {
   const scene::Light lamp = scene_.lights[1];
   ASSERT_FALSE(shared::lightIsDirectional(lamp.type));
@@ -116,7 +116,13 @@ TEST_F(EditCasesTest, ALocalLightNextToASun) {
   };
   const std::vector<float> sunny = expectAgreement();
   const uint32_t added = addLight(scene_, lamp);
-  EXPECT_NE(expectAgreement(), sunny);
+  const std::vector<float> lit = expectAgreement();
+  EXPECT_NE(lit, sunny);
+  std::vector<uint32_t> others;
+  for (int i = 0; i < 40; ++i) others.push_back(addLight(scene_, lamp));
+  for (const char* technique : {"clustered", "tiled"}) EXPECT_NE(colorsBy(technique), lit) << technique;
+  for (const uint32_t light : others) removeLight(scene_, light);
+  EXPECT_EQ(expectAgreement(), lit);
   removeLight(scene_, added);
   EXPECT_EQ(expectAgreement(), sunny);
 }

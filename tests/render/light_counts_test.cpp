@@ -1,5 +1,9 @@
 // The number of lights that each pixel evaluated and the number that contributed, with every technique, on a square
 // with known lights.
+#include <fmt/core.h>
+
+#include <algorithm>
+
 #include "render/lighting/technique.h"
 #include "render/support.h"
 #include "shared/light.h"
@@ -68,6 +72,36 @@ TEST_F(RenderTest, LightsAreCountedByEveryTechnique) {
     EXPECT_GT(inPoint, 50u);
     EXPECT_GT(inSpot, 10u);
   }
+}
+
+bool listsLights(const RenderStatistics& statistics) {
+  const auto isListing = [](const graph::PassTime& pass) { return pass.name == "light lists"; };
+  return std::ranges::any_of(statistics.passTimes, isListing);
+}
+
+// Few lights are in no lists, unless they are counted.
+TEST_F(RenderTest, FewLightsAreListedOnlyToCountThem) {
+  scene::Scene scene = litSquare();
+  for (scene::Light& light : scene.lights) light.castShadow = true;
+  const scene::Camera camera = frontCamera(2);
+  for (const char* technique : {"tiled", "clustered"})
+    for (const Raster raster : {Raster::Hardware, Raster::Compute})
+      for (const ShadowFormat shadows : {ShadowFormat::None, ShadowFormat::D32, ShadowFormat::Rays}) {
+        SCOPED_TRACE(fmt::format("{}, {}, shadows {}", technique, nameOf(raster), nameOf(shadows)));
+        Renderer renderer(device(), scene, nullptr);
+        Settings settings = settingsOf(kSize, kSize, {Aov::Color});
+        settings.lighting = &findTechnique(technique);
+        settings.raster = raster;
+        settings.shadows = shadows;
+        const RenderResult few = renderer.submit({&camera, 1}, settings).take();
+        settings.aovs.push_back(Aov::LightsTested);
+        const RenderResult counted = renderer.submit({&camera, 1}, settings).take();
+        EXPECT_FALSE(listsLights(few.statistics));
+        EXPECT_EQ(listsLights(counted.statistics), !counted.statistics.passTimes.empty());  // without timestamps
+        const std::vector<float>& color = imageOf(few.frames.front(), Aov::Color).values;
+        EXPECT_TRUE(color == imageOf(counted.frames.front(), Aov::Color).values);
+        EXPECT_TRUE(std::ranges::any_of(color, [](float value) { return value > 1.5f; }));
+      }
 }
 
 // The reference technique culls no lights.

@@ -23,8 +23,8 @@ using testing::HasSubstr;
 Options tiny() {
   const char* name = std::getenv("LATELIGHT_TEST_DEVICE");
   Options options{.device = name && *name ? name : "cpu", .validation = true};
-  // However slow the machine is, no step is skipped.
-  options.sweep = {.budget = 1e6, .lights = {10, 1}, .triangles = {50'000}, .sizes = {{48, 27}}};
+  // However slow the machine is, no step is skipped. 40 lights are enough for light lists.
+  options.sweep = {.budget = 1e6, .lights = {40, 1}, .triangles = {50'000}, .sizes = {{48, 27}}};
   return options;
 }
 

@@ -56,7 +56,7 @@ struct FrameConfig {
   uint32_t materialTraits = 0;       // kTrait*: all materials have these traits (GpuMaterials::traits)
   uint32_t layers = 0;               // kLayer*: coats that a material may have (GpuMaterials::layers)
   bool lights = true;                // lights may exist; false: shaders of the deferred techniques have no light loops
-  bool localLights = true;           // point or spot lights exist; false: light lists are empty
+  bool culledLights = true;          // light lists are faster than shading pixels with all local lights
   bool fewLights = false;            // on a CPU device, a loop over all lights is faster than light culling
   uint32_t areaLights = 0;           // kAreaLights*
   uint32_t environment = shared::kEnvironmentOneType;  // kEnvironment*
@@ -144,8 +144,8 @@ struct VisibilityBuffer {
 
 // The light lists of a lighting technique, per tile or per slice of a tile (clustered light culling).
 struct LightLists {
-  graph::BufferId cells, entries;
-  uint32_t cellsPerTile = 0, entriesPerTile = 0;  // lists and capacity per tile; 0: there are none
+  graph::BufferId cells, entries;                 // null: all local lights are in each list
+  uint32_t cellsPerTile = 0, entriesPerTile = 0;  // lists and capacity per tile; 0: the frame has no lights
   glm::uvec2 tiles{};
 };
 

@@ -52,6 +52,15 @@ void findBounds(inout Shading shading) {
   shading.high = subgroupMax(shading.lit ? shading.s.position : vec3(-kFar));
 }
 
+const uint64_t kAllLights = uint64_t(0);  // a list of all local lights
+
+// Returns the index of element i of a light list (uint[] by address, or kAllLights).
+uint lightOfList(FrameConstants frame, uint64_t list, uint i) {
+  uint light = frame.directionalLights + i;
+  if (list != kAllLights) light = UintRef(list).v[i];
+  return light;
+}
+
 // A light that one lane contributes.
 struct LaneLight {
   uint index;

@@ -41,7 +41,7 @@ void shadeRound(inout Shading shading, FrameConstants frame, ListedRound round) 
   }
 }
 
-// Shades the frame's directional lights, then `count` lights of a list (uint[] by address).
+// Shades the frame's directional lights, then `count` lights of a list (lightOfList()).
 void shadeListed(inout Shading shading, FrameConstants frame, uint64_t list, uint count) {
   if (shading.lit) lightsTested += float(frame.directionalLights + count);
   for (uint i = 0u; i < frame.directionalLights; ++i) {
@@ -49,7 +49,7 @@ void shadeListed(inout Shading shading, FrameConstants frame, uint64_t list, uin
     addShadowed(shading, frame, light, sampleLight(light, shading.s.position), shadowOf(frame, shading.view, i));
   }
   for (uint first = 0u; first < count; first += lanesPresent) {
-    uint light = UintRef(list).v[min(first + laneRank, count - 1u)];
+    uint light = lightOfList(frame, list, min(first + laneRank, count - 1u));
     shadeRound(shading, frame, listedRound(frame, shading.view, light, min(count - first, lanesPresent)));
   }
 }

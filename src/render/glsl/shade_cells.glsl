@@ -7,6 +7,7 @@
 #include "render/lighting/lighting_push.h"
 
 struct CellLights {
+  bool listed;       // false: every cell has all local lights, and the members below are not set
   CellsRef cells;    // of one tile
   uint64_t entries;  // of the same tile: uint[]
 };
@@ -16,9 +17,10 @@ const uint kShortCell = 48u;  // maximum lights of a short list; the fastest of 
 // Shades the lit lanes, whose surfaces lie in one cell of the tile, with all lights. If the cell's list overflowed, the
 // lights come from the light tree.
 void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, uint cell) {
-  uvec2 list = lights.cells.v[1u + cell];
+  uvec2 list = uvec2(0u, frame.lightCount - frame.directionalLights);
+  if (lights.listed) list = lights.cells.v[1u + cell];
   bool fits = list.y != kOverflow;
-  uint64_t indices = lights.entries + uint64_t(list.x) * 4u;
+  uint64_t indices = lights.listed ? lights.entries + uint64_t(list.x) * 4u : kAllLights;
   if (kCpuDevice == 0u && list.y <= kShortCell) {
     shadeListed(shading, frame, indices, list.y);
   } else {
@@ -43,10 +45,12 @@ struct CellLookup {
 // silently after 65535 iterations in total.)
 vec3 shadeFromCells(FrameConstants frame, LightCells cells, CellLookup place, Surface s, LIT_BRDF brdf, bool lit) {
   uint64_t tile = tileOf(place.block / uvec3(kTileSize / kPixelGroupX, kTileSize / kPixelGroupY, 1u), cells.tiles);
-  CellLights lights = CellLights(CellsRef(cells.cells + tile * (8u * (kCellsPerTile + 1u))),
+  bool listed = cells.cells != uint64_t(0);
+  CellLights lights = CellLights(listed, CellsRef(cells.cells + tile * (8u * (kCellsPerTile + 1u))),
                                  cells.entries + tile * (4u * kEntriesPerTile));
-  bool together = kCellsPerTile == 1u && lights.cells.v[1].y != kOverflow;
-  uint slice = together ? 0u : sliceOf(depthKey(place.projection, place.depth), lights.cells.v[0]);
+  uint slice = 0u;
+  if (listed && (kCellsPerTile > 1u || lights.cells.v[1].y == kOverflow))
+    slice = sliceOf(depthKey(place.projection, place.depth), lights.cells.v[0]);
   bool waits = lit;
   if (!subgroupAny(waits)) return vec3(0.0);
   countLanes();

@@ -16,8 +16,8 @@ void shadeTree(inout Shading shading, FrameConstants frame) {
   }
 }
 
-// Shades the frame's directional lights, then `count` lights of a list (uint[] by address), then, if `walks` is true,
-// all local lights that the tree finds near the surfaces; each part in the order of the lights. All parts share one
+// Shades the frame's directional lights, then `count` lights of a list (lightOfList()), then, if `walks` is true, all
+// local lights that the tree finds near the surfaces; each part in the order of the lights. All parts share one
 // loop: shading a light is most of a shader's code, which lavapipe compiles for each call, and entering a loop costs
 // more there than an iteration.
 void shadeNear(inout Shading shading, FrameConstants frame, uint64_t list, uint count, bool walks) {
@@ -30,7 +30,8 @@ void shadeNear(inout Shading shading, FrameConstants frame, uint64_t list, uint 
     uint light = next + laneRank;
     bool there = light < end;
     light = there ? light : 0u;
-    if (there && listed && light >= frame.directionalLights) light = UintRef(list).v[light - frame.directionalLights];
+    if (there && listed && light >= frame.directionalLights)
+      light = lightOfList(frame, list, light - frame.directionalLights);
     LaneLight own = laneLight(frame, shading.view, light);
     shadeLaneLights(shading, frame, own, there && reaches(own.light, shading.low, shading.high));
     next += lanesPresent;

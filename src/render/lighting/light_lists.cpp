@@ -17,6 +17,7 @@ uint32_t tilesAlong(uint32_t pixels) {
 LightLists createLists(const FrameContext& f, const LightListsDesc& desc) {
   const glm::uvec2 tiles(tilesAlong(f.width), tilesAlong(f.height));
   const VkDeviceSize count = VkDeviceSize{tiles.x} * tiles.y * f.viewCount();
+  if (!f.setup.culledLights) return {.cellsPerTile = desc.cellsPerTile, .entriesPerTile = desc.entriesPerTile};
   return {.cells = f.graph.create(vk::BufferDesc{.size = count * 8 * (desc.cellsPerTile + 1), .name = "light cells"}),
           .entries = f.graph.create(vk::BufferDesc{.size = count * 4 * desc.entriesPerTile, .name = "light entries"}),
           .cellsPerTile = desc.cellsPerTile,
@@ -52,12 +53,12 @@ std::vector<vk::Constant> listConstants(const LightLists& lists) {
 }
 
 std::vector<graph::Access> listAccesses(const LightLists& lists) {
-  if (lists.cellsPerTile == 0) return {};
+  if (!lists.cells) return {};
   return {{lists.cells, graph::Use::StorageRead}, {lists.entries, graph::Use::StorageRead}};
 }
 
 shared::LightCells pushedLists(const LightLists& lists, graph::Context& context) {
-  if (lists.cellsPerTile == 0) return {};
+  if (!lists.cells) return {};
   return {.cells = context.buffer(lists.cells).address(),
           .entries = context.buffer(lists.entries).address(),
           .tiles = lists.tiles};
@@ -65,10 +66,7 @@ shared::LightCells pushedLists(const LightLists& lists, graph::Context& context)
 
 LightLists addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightListsDesc& desc) {
   const LightLists lists = f.setup.lights ? createLists(f, desc) : LightLists{};
-  if (f.setup.lights && f.setup.localLights)
-    addListing(f, gbuffer, lists);
-  else if (f.setup.lights)  // a cell of zeros has no lights
-    addClear(f, graph::Stage::Lighting, "light lists", {lists.cells}, {lists.entries});
+  if (lists.cells) addListing(f, gbuffer, lists);
   ComputePass lighting = lightingPass(f, gbuffer, "lighting " + desc.name, "cells.comp");
   const std::vector<vk::Constant> constants = listConstants(lists);
   lighting.constants.insert(lighting.constants.end(), constants.begin(), constants.end());

@@ -20,10 +20,11 @@ struct LightListsDesc {
 };
 inline constexpr uint32_t kSlices = 32;  // glsl/light_cells.glsl
 
-// Adds both passes and returns the lists, which are empty if the frame has no lights.
+// Adds both passes and returns the lists. Without FrameConfig::culledLights there is no first pass, and each cell has
+// all local lights.
 LightLists addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightListsDesc& desc);
 // For other shaders that use glsl/shade_cells.glsl with these lists: their specialization constants (kCellsPerTile is 0
-// if there are no lists), the buffers that they read, and their push constants.
+// if the frame has no lights), the buffers that they read, and their push constants.
 std::vector<vk::Constant> listConstants(const LightLists& lists);
 std::vector<graph::Access> listAccesses(const LightLists& lists);
 shared::LightCells pushedLists(const LightLists& lists, graph::Context& context);

@@ -25,6 +25,14 @@ Visibility makeVisibility(const RenderState& state, std::span<const shared::View
 // On lavapipe with two cores, layered and blended surfaces take twice as long with the light tree's traversal as with a
 // loop over eight lights. Lighting takes as long with the light lists of 45 lights as with a loop over all of them.
 constexpr uint32_t kFewLights = 32;
+// On an H200, the pass that lists lights takes as long as this many lights that reach most pixels.
+constexpr uint32_t kFewLocalLights = 4;
+
+// Returns FrameConfig::culledLights. Counted lights are those of the technique, so they are culled.
+bool cullsLights(const vk::Device& device, const GpuScene& scene, const FrameConfig& setup) {
+  if (setup.countLights) return scene.localLights() > 0;
+  return device.hasCpuShaders() ? scene.lightCount() > kFewLights : scene.localLights() > kFewLocalLights;
+}
 
 }  // namespace
 
@@ -217,7 +225,7 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
   setup.environment = state_.hasEnvironment ? state_.environment->kind() : shared::kEnvironmentNone;
   // On GPUs, light loops stay enabled, so that the first light that an edit adds creates no pipelines.
   setup.lights = !state_.device.isCpu() || state_.scene.lightCount() > 0;
-  setup.localLights = state_.scene.localLights() > 0;
+  setup.culledLights = cullsLights(state_.device, state_.scene, setup);
   if (state_.scene.areaLights() > 0)
     setup.areaLights = shared::kAreaLightsAll;
   else
