@@ -8,13 +8,16 @@ r"""Many worlds per call: latelight beside mujoco_warp_pbr (PyPI: mujoco-warp-pb
 Every world has its own pose of the object, and each call has new poses, which lie in the device's memory; so do the
 images. A time is that of a whole call, from poses to complete images, and rows alternate between the two renderers.
 mujoco_warp_pbr's times include `kinematics` and the refit of its BVH, which place the object ("update"), and are given
-without them, too. --robot FILE.xml adds a robot of MJCF with random joints, whose kinematics MuJoCo Warp computes for
-both. --device cpu compares on the processor: mujoco_warp_pbr uses one core per process, so it gets a process per core.
-There, Latelight renders with several rasters in turn, and processor times of both are printed, too, because they
-depend less on the other work of a machine. --pictures FOLDER writes an image of each, to see that both render the same.
+without them, too. "In a row" is the time per call of 32 calls, whose poses are in the device's memory before: the host
+waits for mujoco_warp_pbr only in the end, and two of Latelight's calls are in flight. --robot FILE.xml adds a robot of
+MJCF with random joints, whose kinematics MuJoCo Warp computes for both. --device cpu compares on the processor:
+mujoco_warp_pbr uses one core per process, so it gets a process per core. There, Latelight renders with several rasters
+in turn, and processor times of both are printed, too, because they depend less on the other work of a machine.
+--pictures FOLDER writes an image of each, to see that both render the same.
 """
 
 import argparse
+import functools
 import io
 import math
 import multiprocessing
@@ -26,6 +29,8 @@ import numpy as np
 
 FOV = 40.0  # degrees, vertical
 DISTANCE = 3.2  # meters from the helmet, whose bounds have a radius of about 1.2
+WARM_UP = 4  # runs
+CALLS, EVERY = 32, 4  # calls in a row, after each fourth run
 
 
 def random_quaternions(count, seed):
@@ -112,18 +117,25 @@ class Kinematics:
             mujoco.mj_forward(model, data)
             self.data = mjw.put_data(model, data, nworld=worlds)
 
-    def pose(self, qpos):
-        """Sets new states (N, nq), in memory of the device."""
+    def on_device(self, qpos):
+        """States (N, nq) in memory of the device."""
         with self.wp.ScopedDevice(self.device):
-            self.qpos = self.wp.array(qpos, dtype=float)
+            return self.wp.array(qpos, dtype=float)
+
+    def pose(self, qpos):
+        """Sets new states (N, nq)."""
+        self.qpos = self.on_device(qpos)
 
     def place(self):
         """Computes where everything is."""
+        self.start_placing(self.qpos)
+        self.wp.synchronize_device(self.device)
+
+    def start_placing(self, qpos):
         with self.wp.ScopedDevice(self.device):
-            self.wp.copy(self.data.qpos, self.qpos)
+            self.wp.copy(self.data.qpos, qpos)
             self.mjw.kinematics(self.model, self.data)
             self.mjw.camlight(self.model, self.data)
-            self.wp.synchronize()
 
 
 class Rival(Kinematics):
@@ -153,6 +165,15 @@ class Rival(Kinematics):
             self.pbr.render(self.model, self.data, self.context)
             self.wp.synchronize()
 
+    def render_in_a_row(self, states):
+        """Renders a call for each of `states`, which are in memory of the device."""
+        with self.wp.ScopedDevice(self.device):
+            for qpos in states:
+                self.start_placing(qpos)
+                self.mjw.refit_bvh(self.model, self.data, self.context.base)
+                self.pbr.render(self.model, self.data, self.context)
+            self.wp.synchronize()
+
     def image(self, world, side):
         with self.wp.ScopedDevice(self.device):
             rgb = self.wp.zeros((self.data.nworld, side, side), dtype=self.wp.vec3)
@@ -172,9 +193,9 @@ class Latelight:
         options["raster"] = raster
         self.renderer = latelight.Renderer(scene, device=device, environment=environment)
         formats = {key: self.half[key] for key in outputs}
-        self.call = lambda **arrays: self.renderer.render_worlds(
-            worlds, camera, (side, side), outputs, formats=formats, on_device=True, out=self.out, **options, **arrays)
-        self.device, self.out, self.arrays = device, None, {}
+        self.submit = lambda out, arrays: self.renderer.submit_worlds(
+            worlds, camera, (side, side), outputs, formats=formats, on_device=True, out=out, **options, **arrays)
+        self.device, self.arrays, self.outs = device, {}, [None, None]
 
     def on_device(self, array):
         if self.device == "cpu":
@@ -186,15 +207,25 @@ class Latelight:
         return tensor
 
     def render(self):
-        self.out = self.call(**self.arrays)
+        self.outs[0] = self.submit(self.outs[0], self.arrays).take()
+
+    def render_in_a_row(self, steps):
+        """Renders a call for each of `steps`, functions that return its arrays. Two calls are in flight."""
+        waiting = None
+        for i, arrays in enumerate(steps):
+            ticket = self.submit(self.outs[i % 2], arrays())
+            if waiting:
+                self.outs[(i - 1) % 2] = waiting.take()
+            waiting = ticket
+        self.outs[(len(steps) - 1) % 2] = waiting.take()
 
     def image(self, world, side):
         if self.device == "cpu":
-            array = np.from_dlpack(self.out["rgba"])
+            array = np.from_dlpack(self.outs[0]["rgba"])
         else:
             import torch
 
-            array = torch.from_dlpack(self.out["rgba"]).cpu().numpy()
+            array = torch.from_dlpack(self.outs[0]["rgba"]).cpu().numpy()
         return array.reshape(-1, side, side, 3)[world]
 
 
@@ -239,11 +270,27 @@ class Robot:
         return self.converted.worlds(geom_xpos=read(data.geom_xpos), geom_xmat=read(data.geom_xmat))
 
 
+RIVAL, IN_A_ROW = ("with update", "render alone"), ("ours in a row", "rival in a row")
+
+
+def medians(times):
+    """Of each list, without the runs of the warm-up."""
+    first = {name: WARM_UP // EVERY if name in IN_A_ROW else WARM_UP for name in times}
+    return {name: statistics.median(values[first[name]:]) for name, values in times.items()}
+
+
 def measure_robot(robot, worlds, side, runs, pictures):
     """Median seconds from joint angles to images; alone: from poses of geoms, or from a complete BVH."""
+    import torch
+
     ours, rival = robot.latelight(worlds, side), robot.rival(worlds, side)
-    times = {"ours": [], "ours alone": [], "with update": [], "render alone": []}
-    for run in range(runs + 4):
+    times = {name: [] for name in ("ours", "ours alone", *RIVAL, *IN_A_ROW)}
+
+    def placed(qpos):
+        rival.start_placing(qpos)
+        return robot.arrays(rival.data)
+
+    for run in range(runs + WARM_UP):
         rival.pose(robot.states(worlds, run))
         update, render = seconds(rival.update), seconds(rival.render)
         place = seconds(rival.place)
@@ -257,9 +304,17 @@ def measure_robot(robot, worlds, side, runs, pictures):
         times["ours alone"].append(alone)
         times["with update"].append(update + render)
         times["render alone"].append(render)
+
+        if run % EVERY == 0:
+            states = [rival.on_device(robot.states(worlds, CALLS * run + i)) for i in range(CALLS)]
+            steps = [functools.partial(placed, qpos) for qpos in states]
+            torch.cuda.synchronize()
+            with torch.cuda.stream(torch.cuda.ExternalStream(rival.wp.get_stream(rival.device).cuda_stream)):
+                times["ours in a row"].append(seconds(lambda: ours.render_in_a_row(steps)) / CALLS)
+            times["rival in a row"].append(seconds(lambda: rival.render_in_a_row(states)) / CALLS)
     if pictures:
         save(pictures, f"robot-{worlds}-{side}", ours, rival, side)
-    return {name: statistics.median(values[4:]) for name, values in times.items()}
+    return medians(times)
 
 
 class Helmet:
@@ -311,18 +366,30 @@ def seconds(call):
 def measure(helmet, worlds, side, outputs, sun, runs, pictures):
     """Median seconds of a call: latelight, mujoco_warp_pbr, and the latter without the update."""
     ours, rival = helmet.latelight(worlds, side, outputs, sun), helmet.rival(worlds, side, outputs, sun)
-    times = {"ours": [], "with update": [], "render alone": []}
-    for run in range(runs + 4):
+    times = {name: [] for name in ("ours", *RIVAL, *IN_A_ROW)}
+
+    def placed(arrays):
+        return {key: ours.on_device(value) if key == "transforms" else value for key, value in arrays.items()}
+
+    for run in range(runs + WARM_UP):
         qpos, arrays = helmet.states(worlds, run)
-        ours.arrays = {key: ours.on_device(value) if key == "transforms" else value for key, value in arrays.items()}
+        ours.arrays = placed(arrays)
         times["ours"].append(seconds(ours.render))
         rival.pose(qpos)
         update, render = seconds(rival.update), seconds(rival.render)
         times["with update"].append(update + render)
         times["render alone"].append(render)
+
+        if run % EVERY == 0:
+            states = [helmet.states(worlds, CALLS * run + i) for i in range(CALLS)]
+            steps = [functools.partial(dict, placed(arrays)) for _, arrays in states]
+            times["ours in a row"].append(seconds(lambda: ours.render_in_a_row(steps)) / CALLS)
+            steps = [rival.on_device(qpos) for qpos, _ in states]
+            rival.wp.synchronize()
+            times["rival in a row"].append(seconds(lambda: rival.render_in_a_row(steps)) / CALLS)
     if pictures:
         save(pictures, f"{worlds}-{side}-{len(outputs)}{'-sun' * sun}", ours, rival, side)
-    return {name: statistics.median(values[4:]) for name, values in times.items()}
+    return medians(times)
 
 
 def save(folder, name, ours, rival, side):
@@ -362,7 +429,8 @@ def report(what, worlds, times):
     rates = {name: worlds / value for name, value in times.items()}
     print(f"{what}: latelight {rates['ours']:9.0f} views/s; mujoco_warp_pbr {rates['with update']:9.0f} with update, "
           f"{rates['render alone']:9.0f} render alone; {rates['ours'] / rates['with update']:.2f}, "
-          f"{rates['ours'] / rates['render alone']:.2f} times", flush=True)
+          f"{rates['ours'] / rates['render alone']:.2f} times; in a row {rates['ours in a row']:.0f} and "
+          f"{rates['rival in a row']:.0f}, {rates['ours in a row'] / rates['rival in a row']:.2f} times", flush=True)
 
 
 # --- on the processor -------------------------------------------------------------------------------------------------
