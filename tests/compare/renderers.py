@@ -8,6 +8,7 @@
 
 Each renderer has a process of its own, which renders while the others wait. A view is what the renderer can give of
 color, depth, ids and normals. Processor time, of all threads, says more than elapsed time where others use the machine.
+--together 8 renders as many views per turn, Latelight in one call and the others one after another.
 --baseline build/before/python adds the package of another build, to compare two versions in one run.
 """
 
@@ -45,10 +46,10 @@ class Latelight:
         self.scene = latelight.Scene(path)
         self.renderer = latelight.Renderer(self.scene, device="cpu")
 
-    def render(self, eye, target):
-        camera = self.scene.look_at(eye=eye, target=target, vertical_fov=FOV)
-        frame = self.renderer.render(camera, self.size, ("rgba", "depth", "id", "normal"))
-        return frame["rgba"][..., :3]
+    def render(self, eyes, target):
+        cameras = [self.scene.look_at(eye=eye, target=target, vertical_fov=FOV) for eye in eyes]
+        frames = self.renderer.render(cameras, self.size, ("rgba", "depth", "id", "normal"))
+        return frames[-1]["rgba"][..., :3]
 
 
 class Pyrender:
@@ -125,15 +126,19 @@ BASELINE = "latelight, baseline"
 
 
 def work(pipe, name, package, path, size, pictures):
-    """The process of one renderer: answers each place of the eye with the seconds that a view took."""
+    """The process of one renderer: answers places of the eye with the seconds that their views took."""
     if package:
         sys.path.insert(0, package)
     begin = time.perf_counter()
     renderer = RENDERERS[name](path, size)
     first = True
-    for eye, target in iter(pipe.recv, None):
+    for eyes, target in iter(pipe.recv, None):
         elapsed, processor = time.perf_counter(), time.process_time()
-        color = renderer.render(eye, target)
+        if isinstance(renderer, Latelight):
+            color = renderer.render(eyes, target)
+        else:
+            for eye in eyes:
+                color = renderer.render(eye, target)
         pipe.send((time.perf_counter() - (begin if first else elapsed), time.process_time() - processor))
         if first and pictures:
             from PIL import Image
@@ -146,7 +151,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scene")
     parser.add_argument("--size", default="640x480")
-    parser.add_argument("--views", type=int, default=20)
+    parser.add_argument("--views", type=int, default=20, help="number of turns")
+    parser.add_argument("--together", type=int, default=1, help="views per turn")
     parser.add_argument("--distance", type=float, default=3.2, help="of the eye from the origin, meters")
     parser.add_argument("--renderers", default=",".join(RENDERERS))
     parser.add_argument("--baseline", metavar="FOLDER", help="the folder of the package latelight of another build")
@@ -175,13 +181,13 @@ def main():
 
     # Other load changes both times of a view alike, so ratios are those of views that follow each other.
     print(
-        f"| {args.size}, {args.views} views | elapsed, ms per view | processor, ms per view "
+        f"| {args.size}, {args.views} turns of {args.together} | elapsed, ms per view | processor, ms per view "
         "| elapsed, relative to the first | processor, relative to the first | start to first array, s | output |"
     )
     print("|---|---|---|---|---|---|---|")
     first = next(iter(workers.values()))[1]
     for name, (_, taken) in workers.items():
-        elapsed, processor = (1000 * statistics.median(column) for column in zip(*taken[2:]))
+        elapsed, processor = (1000 * statistics.median(column) / args.together for column in zip(*taken[2:]))
         ratios = [[own / base for own, base in zip(*pair)] for pair in zip(taken[2:], first[2:])]
         longer, more = (statistics.median(column) for column in zip(*ratios))
         print(
@@ -191,9 +197,10 @@ def main():
 
 
 def turn(pipe, taken, args, view):
-    angle = math.radians(20 + 7 * view)
-    eye = [args.distance * math.sin(angle), 0.25 * args.distance, args.distance * math.cos(angle)]
-    pipe.send((eye, [0.0, 0.0, 0.0]))
+    angles = [math.radians(20 + 7 * (view + i)) for i in range(args.together)]
+    d = args.distance
+    eyes = [[d * math.sin(angle), 0.25 * d, d * math.cos(angle)] for angle in angles]
+    pipe.send((eyes, [0.0, 0.0, 0.0]))
     taken.append(pipe.recv())
 
 
