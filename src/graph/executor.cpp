@@ -415,7 +415,7 @@ void Executor::Impl::materialize(const Graph& graph, Plan& plan, RecordedGraph& 
 }
 
 void Executor::Impl::record(const Graph& graph, const Plan& plan, RecordedGraph& recorded, VkCommandBuffer buffer) {
-  vk::Commands commands(pool->device, buffer, recorded.recorder->descriptors);
+  vk::Commands commands(buffer, recorded.recorder->descriptors);
   Context context;
   context.commands_ = &commands;
   context.images_ = &recorded.images;

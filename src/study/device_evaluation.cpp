@@ -43,7 +43,7 @@ std::vector<shared::vec4> DeviceEvaluation::run(const vk::Pipeline& pipeline, st
     const shared::EvaluationPush push{inputs_.address(), outputs_.address(), static_cast<uint32_t>(count), projection};
     vk::DescriptorPool pool(device_);
     device_.submitAndWait([&](VkCommandBuffer buffer) {
-      vk::Commands commands(device_, buffer, pool);
+      vk::Commands commands(buffer, pool);
       commands.bind(pipeline, std::initializer_list<vk::BoundImage>{}, push);
       commands.dispatch(push.count, 1, 1, kGroup, 1);
       waitForHost(buffer);

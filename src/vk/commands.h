@@ -39,8 +39,7 @@ void recordMemoryBarrier(VkCommandBuffer commands, VkPipelineStageFlags2 fromSta
 
 class Commands {
  public:
-  Commands(Device& device, VkCommandBuffer commands, DescriptorPool& pool)
-      : device_(device), commands_(commands), pool_(pool) {}
+  Commands(VkCommandBuffer commands, DescriptorPool& pool) : commands_(commands), pool_(pool) {}
 
   VkCommandBuffer get() const { return commands_; }
   // Binds the pipeline, its descriptor set 0 with these images in binding order, and its push constants.
@@ -68,7 +67,6 @@ class Commands {
   void dispatchIndirect(const Buffer& groups, VkDeviceSize offset);  // `offset`: of a VkDispatchIndirectCommand
 
  private:
-  Device& device_;
   VkCommandBuffer commands_;
   DescriptorPool& pool_;
 };

@@ -17,7 +17,7 @@ void runShader(vk::Device& device, const std::string& name, const Push& push, ui
   const vk::Pipeline pipeline = vk::makePipeline(device, vk::ComputeDesc{.name = name, .code = readSpirv(name)});
   vk::DescriptorPool pool(device);
   device.submitAndWait([&](VkCommandBuffer buffer) {
-    vk::Commands commands(device, buffer, pool);
+    vk::Commands commands(buffer, pool);
     commands.bind(pipeline, std::initializer_list<vk::BoundImage>{}, push);
     commands.dispatch(width, height, 1, group, 1);
     vk::recordMemoryBarrier(buffer, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,

@@ -63,7 +63,7 @@ TEST_F(DeviceTest, AComputePipelineReadsImagesConstantsAndAddresses) {
   DescriptorPool pool(device());
   device().submitAndWait([&](VkCommandBuffer buffer) {
     recordLayout(buffer, tiny.target, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
-    Commands commands(device(), buffer, pool);
+    Commands commands(buffer, pool);
     commands.bind(tiny.pipeline, {{tiny.source.view(), tiny.sampler.get()}, {tiny.target.view()}},
                   Push{tiny.words.address(), kWidth, kHeight, 1000});
     commands.dispatch(kWidth, kHeight, 1, 8, 4);
