@@ -76,7 +76,8 @@ bool overlap(const ObjectInViews& a, const ObjectInViews& b) {
 // Distributes objects to groups in which no screen bounds overlap in any view (greedy, first fit).
 std::vector<Group> apart(const std::map<uint32_t, ObjectInViews>& objects) {
   std::vector<Group> groups;
-  for (const auto& [id, each] : objects) {
+  for (const auto& entry : objects) {
+    const ObjectInViews& each = entry.second;
     const auto meets = [&](const ObjectInViews* other) { return overlap(each, *other); };
     const auto free =
         std::ranges::find_if(groups, [&](const Group& group) { return std::ranges::none_of(group, meets); });

@@ -186,7 +186,8 @@ bool loopsRepeat(const std::vector<Instruction>& function) {
 
 // Returns true if an instruction has no effect besides its result.
 bool isPure(const Instruction& instruction) {
-  const auto& [op, x] = instruction;
+  const uint32_t op = instruction.op;
+  const Operands& x = instruction.operands;
   const auto in = [op](uint32_t first, uint32_t last) { return op >= first && op <= last; };
   if (op == spv::OpLoad) return x.size() < 4 || (x[3] & spv::MemoryAccessVolatileMask) == 0;
   constexpr uint32_t kModf = 35, kFrexp = 51;  // GLSL.std.450: they write through a pointer

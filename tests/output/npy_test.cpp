@@ -87,11 +87,11 @@ TEST(Npy, RejectsIntegersThatDoublesRound) {
   EXPECT_EQ(read("<u8", kLimit - 1).channels[0].values, (std::vector<double>{0, 9007199254740991}));
   EXPECT_EQ(read("<i8", 1 - kLimit).channels[0].values, (std::vector<double>{0, -9007199254740991}));
   EXPECT_EQ(read("<f8", std::bit_cast<uint64_t>(1e300)).channels[0].values, (std::vector<double>{0, 1e300}));
-  for (const auto& [type, value] : {std::pair("<u8", kLimit + 1), std::pair("<i8", kLimit + 1),
-                                    std::pair("<u8", ~uint64_t{0}), std::pair("<i8", uint64_t{1} << 63)}) {
-    EXPECT_THAT(errorOf([&] { read(type, value); }, ExitCode::BadInput),
+  for (const auto& number : {std::pair("<u8", kLimit + 1), std::pair("<i8", kLimit + 1), std::pair("<u8", ~uint64_t{0}),
+                             std::pair("<i8", uint64_t{1} << 63)}) {
+    EXPECT_THAT(errorOf([&] { read(number.first, number.second); }, ExitCode::BadInput),
                 AllOf(HasSubstr("some/a.id.npy"), HasSubstr("pixel 0,1"), HasSubstr("below 2^53")))
-        << type << " " << value;
+        << number.first << " " << number.second;
   }
 }
 

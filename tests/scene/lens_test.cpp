@@ -171,7 +171,8 @@ TEST(LensTest, UpToAPoleEveryPixelHasARay) {
 // Returns where r (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6) first reaches a value, before its
 // first extremum and its first pole: by small steps, then by bisection. Null if it does not.
 std::optional<double> firstRadiusAt(const Lens& lens, double value) {
-  const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = lens.distortion;
+  const double k1 = lens.distortion[0], k2 = lens.distortion[1], k3 = lens.distortion[4];
+  const double k4 = lens.distortion[5], k5 = lens.distortion[6], k6 = lens.distortion[7];
   const auto below = [&](double x) { return 1 + k4 * x + k5 * x * x + k6 * x * x * x; };
   const auto reached = [&](double r) {
     const double x = r * r;

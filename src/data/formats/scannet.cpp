@@ -134,15 +134,17 @@ class Scannet : public Format {
     std::map<std::string, std::vector<const Json*>> scans;
     for (const Json& entry : entries) scans[entry["scan"].get<std::string>()].push_back(&entry);
     std::vector<std::string> written;
-    for (const auto& [scan, frames] : scans) {
+    for (const auto& entry : scans) {
+      const std::string& scan = entry.first;
+      const Json& frame = *entry.second.front();
       const auto write = [&](const std::string& name, const std::string& text) {
         writeIn(folder, scan + name, std::as_bytes(std::span(text)));
         written.push_back(scan + name);
       };
       // checkTogether() ensures that all frames of a scan have the same camera matrix.
-      for (const char* name : kIntrinsics) write(name, (*frames.front())["intrinsic"]);
+      for (const char* name : kIntrinsics) write(name, frame["intrinsic"]);
       for (const char* name : kExtrinsics) write(name, matrixText(glm::dmat4(1)));
-      write(kLabelTable, labelText((*frames.front())["labels"]));
+      write(kLabelTable, labelText(frame["labels"]));
     }
     return written;
   }
