@@ -55,7 +55,7 @@ uint64_t geometryHash(std::span<const glm::vec3> positions, std::span<const uint
     for (size_t corner = 0; corner < 3; ++corner)
       triangles[i][corner] =
           static_cast<uint32_t>(std::ranges::lower_bound(vertices, places[3 * i + corner]) - vertices.begin());
-    std::ranges::rotate(triangles[i], std::ranges::min_element(triangles[i]));
+    std::rotate(triangles[i].begin(), std::ranges::min_element(triangles[i]), triangles[i].end());
   }
   std::ranges::sort(triangles);
   return hash64(triangles.data(), triangles.size() * sizeof(Bits),

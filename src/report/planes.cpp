@@ -33,7 +33,7 @@ std::vector<std::byte> filtered(std::span<const uint32_t> words) {
 std::vector<uint32_t> withTable(std::span<const uint32_t> words) {
   std::vector<uint32_t> table(words.begin(), words.end());
   std::ranges::sort(table);
-  table.erase(std::ranges::unique(table).begin(), table.end());
+  table.erase(std::unique(table.begin(), table.end()), table.end());
   if (table.size() > words.size() / 4) table.clear();
   std::vector<uint32_t> all{static_cast<uint32_t>(table.size())};
   all.insert(all.end(), table.begin(), table.end());

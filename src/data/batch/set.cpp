@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
-#include <ranges>
+#include <functional>
 #include <system_error>
 #include <unordered_map>
 
@@ -200,15 +200,14 @@ std::vector<Json> sceneEntriesOf(const Json& plan, size_t format) {
 // Removes files, and the folders below the set's own that become empty.
 template <typename Names>
 void removeFiles(const SetFolder& set, const Names& names) {
-  std::set<fs::path> folders;
+  std::set<fs::path, std::greater<>> folders;  // in descending order, a folder follows those in it
   std::error_code ignored;
   for (const std::string& name : names) {
     fs::remove(set.path() / name, ignored);
     for (fs::path folder = fs::path(name).parent_path(); !folder.empty(); folder = folder.parent_path())
       folders.insert(folder);
   }
-  // In reverse order, a folder follows those in it.
-  for (const fs::path& folder : std::views::reverse(folders))
+  for (const fs::path& folder : folders)
     if (fs::is_empty(set.path() / folder, ignored)) fs::remove(set.path() / folder, ignored);
 }
 

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
-#include <ranges>
 
 #include "base/error.h"
 #include "data/variations/draws.h"
@@ -77,14 +77,14 @@ class Transforms : public Variation {
       if (instance.removed || !instance.posed) continue;
       const auto& deformation = scene.meshes[instance.mesh].deformation;
       if (!deformation || deformation->skin < 0) continue;
-      std::map<uint32_t, size_t> jointsBelow;  // their number, by selected node
+      std::map<uint32_t, size_t, std::greater<>> jointsBelow;  // their number, by selected node, children first
       const auto& joints = scene.rig.skins[static_cast<size_t>(deformation->skin)].joints;
       for (const uint32_t joint : joints)
         if (const std::vector<uint32_t>* above = ofRig[joint])
           for (const uint32_t node : *above) ++jointsBelow[node];
       const auto movesAll = [&](const auto& entry) { return entry.second == joints.size(); };
       const bool moves = !above_[i].empty() || std::ranges::any_of(jointsBelow, movesAll);
-      for (const auto& [node, count] : std::views::reverse(jointsBelow)) {  // children first
+      for (const auto& [node, count] : jointsBelow) {
         if (std::ranges::find(above_[i], node) != above_[i].end()) continue;
         if (moves && count < joints.size()) continue;  // selected with others, such as by *
         if (count < joints.size())

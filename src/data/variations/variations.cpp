@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <ranges>
 
 #include "base/error.h"
 #include "data/variations/pattern.h"
@@ -97,8 +96,8 @@ struct Variations::Impl {
 // use the same slots as in a scene without any variation.
 void Variations::Impl::takeBack() {
   for (const uint32_t instance : hidden) scene::restoreInstance(scene, instance);
-  for (const uint32_t instance : std::views::reverse(addedInstances)) scene::removeInstance(scene, instance);
-  for (const uint32_t light : std::views::reverse(addedLights)) scene::removeLight(scene, light);
+  for (size_t i = addedInstances.size(); i-- > 0;) scene::removeInstance(scene, addedInstances[i]);
+  for (size_t i = addedLights.size(); i-- > 0;) scene::removeLight(scene, addedLights[i]);
   hidden.clear(), addedInstances.clear(), addedLights.clear();
   if (scene.edits.ids) scene.edits.ids->nodes.forgetNumbers();
   for (const auto& [index, material] : materials) scene::setMaterial(scene, index, material);

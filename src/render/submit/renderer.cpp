@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <ranges>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -146,9 +145,9 @@ bool transmits(const scene::Scene& scene, const SceneState& moment) {  // some s
   const auto isTransmissive = [](const shared::Material& material) {
     return (scene::layerFlags(material) & shared::kMaterialTransmissive) != 0;
   };
-  const auto posed = scene::posedMaterials(scene, moment.poses.current);
+  const auto isPosedTransmissive = [&](const auto& posed) { return isTransmissive(posed.second); };
   return std::ranges::any_of(scene.materials, isTransmissive, &scene::Material::data) ||
-         std::ranges::any_of(posed | std::views::values, isTransmissive);
+         std::ranges::any_of(scene::posedMaterials(scene, moment.poses.current), isPosedTransmissive);
 }
 
 void checkJob(const RenderJob& job, const scene::Scene& scene, const Settings& settings, const SceneState& moment) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
-#include <ranges>
 #include <string_view>
 
 #include "base/error.h"
@@ -30,7 +29,8 @@ Bytes part(Bytes file, uint64_t offset, uint64_t length) {
 
 uint64_t numberAt(Bytes bytes, uint64_t offset, uint64_t length) {
   uint64_t value = 0;
-  for (std::byte byte : part(bytes, offset, length) | std::views::reverse) value = value << 8 | uint64_t(byte);
+  const Bytes number = part(bytes, offset, length);
+  for (size_t i = number.size(); i-- > 0;) value = value << 8 | uint64_t(number[i]);
   return value;
 }
 uint32_t wordAt(Bytes bytes, uint64_t offset) {
