@@ -294,7 +294,7 @@ CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, con
   for (const std::string& name : outputs) {
     const auto found = std::ranges::find(render::hitInfos(), name, &render::HitInfo::name);
     if (found == render::hitInfos().end()) badUsage("rays have no output \"{}\"", printable(name));
-    std::shared_ptr<render::ExportedMemory>& memory = hits.emplace_back(&*found).memory;
+    std::shared_ptr<render::ExportedMemory>& memory = hits.emplace_back(render::WorldCast::Target{&*found}).memory;
     const auto target = targets.find(name);
     if (target == targets.end()) continue;
     memory = DeviceArrayMemory::of(target->second, *impl.device, fmt::format("the array to store {} in", name));

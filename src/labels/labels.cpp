@@ -55,9 +55,9 @@ std::vector<PictureLabels> labelObjects(render::Renderer& renderer, const scene:
     for (const scene::Camera& camera : some) objects.push_back(objectsIn(camera, scene, settings, moment));
     renderIsolated(renderer, scene, {some.begin(), some.end()}, settings, moment, objects, true);
     for (size_t i = 0; i < some.size(); ++i) {
-      PictureLabels& labels =
-          all.emplace_back(std::move(frames[i].aovs.front()), render::describeCamera(some[i], scene, settings));
-      addObjects(labels, std::move(objects[i]), nodes);
+      all.push_back(
+          {.ids = std::move(frames[i].aovs.front()), .camera = render::describeCamera(some[i], scene, settings)});
+      addObjects(all.back(), std::move(objects[i]), nodes);
     }
   }
   return all;

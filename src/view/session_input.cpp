@@ -23,6 +23,9 @@ template <typename... Fs>
 struct Overloaded : Fs... {
   using Fs::operator()...;
 };
+// Clang deduces the arguments without this guide from version 17 on.
+template <typename... Fs>
+Overloaded(Fs...) -> Overloaded<Fs...>;
 
 // Returns the vertical field of view of the camera's picture, in radians, with which the interactive camera starts.
 double shownFov(const scene::Camera& camera, uint32_t width, uint32_t height) {

@@ -181,7 +181,7 @@ struct SquareWorlds {
     squares.clear();
     worlds.transforms.clear();
     for (int64_t i = 0; i < worlds.count * kSquares; ++i) {
-      const PixelBox& at = squares.emplace_back(column(random), row(random), kSide, kSide);
+      const PixelBox& at = squares.emplace_back(PixelBox{column(random), row(random), kSide, kSide});
       const double x = static_cast<double>(at.x + (kSide - kWidth) / 2) * kMetersPerPixel;
       const double y = static_cast<double>((kHeight - kSide) / 2 - at.y) * kMetersPerPixel;
       worlds.transforms.push_back(placed(x, y, 0.1 * static_cast<double>(i % kSquares)));
