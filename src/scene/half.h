@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #if defined(__x86_64__)
+#include <cpuid.h>
 #include <immintrin.h>
 #endif
 
@@ -45,8 +46,13 @@ __attribute__((target("avx,f16c"))) inline size_t floatsFromHalvesF16c(const uin
   return i;
 }
 
+// By CPUID, because __builtin_cpu_supports() knows no "f16c" before Clang 18. Its "avx" includes that the operating
+// system saves the registers.
 inline bool hasF16c() {
-  static const bool has = __builtin_cpu_supports("avx") && __builtin_cpu_supports("f16c");
+  static const bool has = [] {
+    unsigned a = 0, b = 0, c = 0, d = 0;
+    return __builtin_cpu_supports("avx") && __get_cpuid(1, &a, &b, &c, &d) && (c & bit_F16C) != 0;
+  }();
   return has;
 }
 #endif
