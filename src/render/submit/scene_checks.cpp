@@ -18,7 +18,7 @@ void checkBackground(const Settings& settings, bool hasEnvironment) {
 void checkShadowLightsOf(const scene::Scene& scene, const Settings& settings) {
   if (settings.shadowLights.names.empty() || settings.shadows == ShadowFormat::None || !isLit(settings)) return;
   std::vector<scene::Light> lights = scene.lights;
-  std::erase_if(lights, &scene::Light::removed);
+  std::erase_if(lights, [](const scene::Light& light) { return light.removed; });
   if (const std::optional<scene::Light> sun = sunOf(settings)) lights.push_back(*sun);
   if (!lights.empty()) checkShadowLights(settings.shadowLights, lights);
 }
