@@ -1,6 +1,7 @@
 // `latelight devices`: lists every Vulkan device and states if it can be used.
 #include <fmt/core.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,7 @@
 // `latelight`: the command line. base/error.h defines the exit codes.
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <latelight/latelight.h>
 #include <poll.h>
 #include <unistd.h>

@@ -1,5 +1,6 @@
 #include "casts.h"
 
+#include <fmt/ranges.h>
 #include <nanobind/stl/shared_ptr.h>
 
 #include <algorithm>

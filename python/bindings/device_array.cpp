@@ -1,6 +1,7 @@
 // Binds the class DeviceArray.
 #include "device_array.h"
 
+#include <fmt/ranges.h>
 #include <latelight/latelight.h>
 
 #include "bindings.h"

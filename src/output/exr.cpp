@@ -12,6 +12,7 @@
 #include <OpenEXR/ImfThreading.h>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cassert>

@@ -1,6 +1,7 @@
 #include "serve/token.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/random.h>
 
 #include <array>

@@ -1,4 +1,6 @@
 // Lists devices, checks them against the requirements, and resolves device selectors.
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <bit>
 #include <iterator>

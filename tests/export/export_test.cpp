@@ -1,5 +1,6 @@
 // Exported files, loaded again: the same ids, geometry, materials, lights, cameras, animations and variants.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

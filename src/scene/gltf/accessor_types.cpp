@@ -3,6 +3,8 @@
 // be marked as normalized: exporters omit both, and the values stay unambiguous. JOINTS_n may also be UNSIGNED_INT.
 #include "scene/gltf/accessor_types.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <vector>
