@@ -26,7 +26,7 @@ void addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings&
   // Without a background color the picture's code is 0 where nothing is drawn.
   const graph::BufferId covered = settings.background.a == 0 ? settings.covered : graph::BufferId{};
   const glm::uvec3 size = texels(b.graph, picture);
-  if (covered) addFill(b, to, uint64_t{4} * size.x * size.y, size.z, {{0}});
+  if (covered) addFill(b, to, uint64_t{4} * size.x * size.y, size.z, {0});
   const uint32_t rows = covered ? shared::kPixelGroupY : 16;
   ComputePass pass{.stage = graph::Stage::Post,
                    .name = "compose",
