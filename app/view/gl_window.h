@@ -46,7 +46,8 @@ class GlWindow {
   void begin();  // ImGui's functions draw into this window until end()
   void end();
   void setPicture(const view::SessionFrame& frame);
-  ImTextureID picture() const { return reinterpret_cast<ImTextureID>(static_cast<intptr_t>(texture_)); }
+  // The type is a pointer in ImGui before 1.91.4, and an integer since.
+  ImTextureID picture() const { return ImTextureID(intptr_t(texture_)); }
 
  private:
   static GlWindow& current(GLFWwindow* window);
