@@ -5,6 +5,8 @@
 #include <meshoptimizer.h>
 
 #include <array>
+#include <cmath>
+#include <cstdint>
 
 #include "gltf_builder.h"
 
@@ -52,6 +54,16 @@ std::vector<unsigned char> encodeVertices(const std::vector<T>& values) {
   return out;
 }
 
+// A value as the filter EXPONENTIAL reads it, with a mantissa of 20 bits. The arguments of meshoptimizer's encoder
+// depend on its version.
+inline uint32_t exponentialOf(float value) {
+  int exponent;
+  std::frexp(value, &exponent);
+  exponent -= 19;
+  const int32_t mantissa = int32_t(std::lround(std::ldexp(value, -exponent)));
+  return uint32_t(exponent) << 24 | (uint32_t(mantissa) & 0xFFFFFF);
+}
+
 inline void finishMeshopt(GltfBuilder& b) {
   b.root["buffers"] = {{{"byteLength", b.buffer.size()}},
                        {{"byteLength", 1 << 20}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}}};
@@ -72,10 +84,8 @@ inline GltfBuilder meshoptFile() {
                      "VEC3", kVertices);
   b.root["accessors"][size_t(n)]["normalized"] = true;
 
-  std::vector<vec2> uv;
-  for (vec3 q : grid.positions) uv.push_back(vec2(q));
-  std::vector<std::array<uint32_t, 2>> exponential(kVertices);
-  meshopt_encodeFilterExp(exponential.data(), kVertices, 8, 20, &uv[0].x);
+  std::vector<std::array<uint32_t, 2>> exponential;
+  for (vec3 q : grid.positions) exponential.push_back({exponentialOf(q.x), exponentialOf(q.y)});
   int t = b.accessor(meshoptView(b, encodeVertices(exponential), kVertices, 8, "ATTRIBUTES", "EXPONENTIAL"), kFloat,
                      "VEC2", kVertices);
 
