@@ -1,6 +1,8 @@
 // Writes skins and animations. Animated properties of materials, lights and cameras are channels of
 // KHR_animation_pointer.
 
+#include <fmt/format.h>
+
 #include "export/nodes.h"
 #include "scene/animated_pointers.h"
 
