@@ -32,13 +32,16 @@ if(LATELIGHT_VIEWER)
   set_property(SOURCE ${PROJECT_SOURCE_DIR}/app/view/display.cpp PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)
 endif()
 # These targets consist mostly of templates from headers; with less optimization they compile in two thirds of the time.
-# GCC 13 and later on x86 turn an option off with -O1 that has to be as it was in the precompiled header.
-check_cxx_compiler_flag(-munroll-only-small-loops LATELIGHT_UNROLLS_SMALL_LOOPS)
-foreach(target latelight_render_command latelight_program latelight_serve)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
-  if(LATELIGHT_UNROLLS_SMALL_LOOPS)
-    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-munroll-only-small-loops>)
+# GCC 13 and later on x86 turn two options off with -O1 that have to be as they were in the precompiled header.
+set(less_optimized -O1)
+foreach(option munroll-only-small-loops mvzeroupper)
+  check_cxx_compiler_flag(-${option} LATELIGHT_HAS_${option})
+  if(LATELIGHT_HAS_${option})
+    list(APPEND less_optimized -${option})
   endif()
+endforeach()
+foreach(target latelight_render_command latelight_program latelight_serve)
+  target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:${less_optimized}>")
 endforeach()
 set_source_files_properties(${PROJECT_SOURCE_DIR}/src/serve/picture.cpp PROPERTIES
   SKIP_UNITY_BUILD_INCLUSION ON COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
