@@ -36,9 +36,8 @@ struct KeySource {
 
   const output::AovImage& image(Aov aov) const { return imageOf(frame.picture, aov); }
   std::vector<uint64_t> shape(uint64_t channels) const {
-    std::vector<uint64_t> shape{frame.picture.height, frame.picture.width};
-    if (channels > 1) shape.push_back(channels);
-    return shape;
+    const uint64_t height = frame.picture.height, width = frame.picture.width;
+    return channels > 1 ? std::vector{height, width, channels} : std::vector{height, width};
   }
   Hdf5Array floats(const std::vector<float>& values, uint64_t channels) const {
     const auto bytes = std::as_bytes(std::span(values));
