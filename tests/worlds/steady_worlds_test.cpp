@@ -360,8 +360,8 @@ WorldStates deformedWorlds(Renderer& renderer, const scene::Scene& scene, const 
     worlds.inputs->exists = memory->address() + existsAt;
   }
   given.memory = {memory};
-  (joints ? given.jointTransforms : given.vertices)[0] = {
-      .address = memory->address(), .rows = 3, .element = shared::kNumberFloat};
+  (joints ? given.jointTransforms : given.vertices)[0] =
+      WorldArray{.address = memory->address(), .rows = 3, .element = shared::kNumberFloat};
   return worlds;
 }
 
