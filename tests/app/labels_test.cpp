@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <string_view>
 
 #include "app/folder.h"
 #include "app/process.h"
@@ -78,10 +79,10 @@ class LabelsOfRender : public testing::Test {
     EXPECT_EQ(outcome.code, 0) << outcome.text();
     return outcome.code == 0;
   }
-  static const json& object(const json& labels, const std::string& node) {
+  static const json& object(const json& labels, std::string_view node) {
     for (const json& each : labels["objects"])
       if (each["node"] == node) return each;
-    throw std::logic_error("there is no object " + node);
+    throw std::logic_error("there is no object " + std::string(node));
   }
   Folder folder;
 };

@@ -2,6 +2,7 @@
 // itself (amodal masks).
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <string_view>
 
 #include "data_formats/support.h"
 #include "labels/amodal.h"
@@ -32,11 +33,11 @@ class Needs : public Format {
 };
 const Needs kAlone({.alone = true}), kOrder({.order = true}), kBoxes({.boxes = true}), kIds({});
 
-const Object& objectAt(const DataFrame& frame, const std::string& node) {
+const Object& objectAt(const DataFrame& frame, std::string_view node) {
   for (const output::IdEntry& entry : frame.metadata.ids->ids)
     for (const Object& object : frame.objects)
       if (entry.node == node && object.id == entry.id) return object;
-  throw std::logic_error("the frame has no object " + node);
+  throw std::logic_error("the frame has no object " + std::string(node));
 }
 
 void expectNear(glm::dvec3 a, glm::dvec3 b, double tolerance) {

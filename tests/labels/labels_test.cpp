@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 #include <glm/gtc/matrix_transform.hpp>
+#include <string>
+#include <string_view>
 
 #include "models/models.h"
 #include "render/support.h"
@@ -81,10 +83,10 @@ class LabelsTest : public testing::TestWithParam<const char*> {
   static double pixelTolerance() {
     return testDevice() != "cpu" && std::string_view(GetParam()) == "hardware" ? 1.0 / 256 : 1e-3;
   }
-  static const ObjectLabel& labelOf(const Labels& labels, const std::string& node) {
+  static const ObjectLabel& labelOf(const Labels& labels, std::string_view node) {
     for (const ObjectLabel& label : labels.objects)
       if (label.node == node) return label;
-    throw std::logic_error("there is no object " + node);
+    throw std::logic_error("there is no object " + std::string(node));
   }
 };
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include "base/hash.h"
 #include "base/parallel.h"
@@ -28,10 +29,10 @@ std::string hallNamed(const std::string& parameters) {
 }
 
 // Built once for all tests.
-const Scene& hall(const std::string& parameters) {
+const Scene& hall(std::string_view parameters) {
   static std::map<std::string, Scene> scenes;
-  const auto [found, isNew] = scenes.try_emplace(parameters);
-  if (isNew) found->second = load(hallNamed(parameters));
+  const auto [found, isNew] = scenes.try_emplace(std::string(parameters));
+  if (isNew) found->second = load(hallNamed(found->first));
   return found->second;
 }
 

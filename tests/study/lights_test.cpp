@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <map>
 #include <set>
+#include <string_view>
 
 #include "base/error.h"
 #include "render/lighting/technique.h"
@@ -28,7 +29,7 @@ Options tiny() {
   return options;
 }
 
-const Table& tableCalled(const Result& result, const std::string& name) {
+const Table& tableCalled(const Result& result, std::string_view name) {
   return *std::find_if(result.tables.begin(), result.tables.end(), [&](const Table& t) { return t.name == name; });
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "base/error.h"
 #include "shared/normal_bounds.h"
@@ -21,7 +22,7 @@ Options options() {
   return {.device = name && *name ? name : "cpu", .validation = true, .samples = 300'000};
 }
 
-const Table& tableOf(const Result& result, const std::string& name) {
+const Table& tableOf(const Result& result, std::string_view name) {
   return *std::find_if(result.tables.begin(), result.tables.end(), [&](const Table& t) { return t.name == name; });
 }
 
