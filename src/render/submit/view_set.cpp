@@ -31,7 +31,7 @@ constexpr uint32_t kFewLocalLights = 4;
 // Returns FrameConfig::culledLights. Counted lights are those of the technique, so they are culled.
 bool cullsLights(const vk::Device& device, const GpuScene& scene, const FrameConfig& setup) {
   if (setup.countLights) return scene.localLights() > 0;
-  return device.hasCpuShaders() ? scene.lightCount() > kFewLights : scene.localLights() > kFewLocalLights;
+  return device.hasCpuShaders() ? !setup.fewLights : scene.localLights() > kFewLocalLights;
 }
 
 }  // namespace
@@ -225,12 +225,12 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
   setup.environment = state_.hasEnvironment ? state_.environment->kind() : shared::kEnvironmentNone;
   // On GPUs, light loops stay enabled, so that the first light that an edit adds creates no pipelines.
   setup.lights = !state_.device.isCpu() || state_.scene.lightCount() > 0;
+  setup.fewLights = state_.device.hasCpuShaders() && state_.scene.lightCount() <= kFewLights;
   setup.culledLights = cullsLights(state_.device, state_.scene, setup);
   if (state_.scene.areaLights() > 0)
     setup.areaLights = shared::kAreaLightsAll;
   else
     setup.areaShadowRays = 0;
-  setup.fewLights = state_.device.hasCpuShaders() && state_.scene.lightCount() <= kFewLights;
   const shared::vec2 size = views_.now.front().size;
   FrameContext f{
       {state_.device, graph, hasConstantsPerView()},
