@@ -36,6 +36,13 @@ def look_at(eye, target):
     return pose
 
 
+class OneByOne:
+    """A renderer of a view per call."""
+
+    def render_all(self, eyes, target):
+        return [self.render(eye, target) for eye in eyes][-1]
+
+
 class Latelight:
     gives = "color, depth, ids, normals"
 
@@ -46,13 +53,13 @@ class Latelight:
         self.scene = latelight.Scene(path)
         self.renderer = latelight.Renderer(self.scene, device="cpu")
 
-    def render(self, eyes, target):
+    def render_all(self, eyes, target):
         cameras = [self.scene.look_at(eye=eye, target=target, vertical_fov=FOV) for eye in eyes]
         frames = self.renderer.render(cameras, self.size, ("rgba", "depth", "id", "normal"))
         return frames[-1]["rgba"][..., :3]
 
 
-class Pyrender:
+class Pyrender(OneByOne):
     gives = "color and depth, then ids; no normals"
 
     def __init__(self, path, size):
@@ -78,7 +85,7 @@ class Pyrender:
         return color
 
 
-class Open3d:
+class Open3d(OneByOne):
     gives = "color, then depth; no ids, no normals"
 
     def __init__(self, path, size):
@@ -98,7 +105,7 @@ class Open3d:
         return color
 
 
-class F3d:
+class F3d(OneByOne):
     gives = "color; no depth, no ids, no normals"
 
     def __init__(self, path, size):
@@ -134,11 +141,7 @@ def work(pipe, name, package, path, size, pictures):
     first = True
     for eyes, target in iter(pipe.recv, None):
         elapsed, processor = time.perf_counter(), time.process_time()
-        if isinstance(renderer, Latelight):
-            color = renderer.render(eyes, target)
-        else:
-            for eye in eyes:
-                color = renderer.render(eye, target)
+        color = renderer.render_all(eyes, target)
         pipe.send((time.perf_counter() - (begin if first else elapsed), time.process_time() - processor))
         if first and pictures:
             from PIL import Image
