@@ -139,13 +139,18 @@ struct Material {
   float specular;
   float f0;       // reflectance of the dielectric at normal incidence, ((ior - 1) / (ior + 1))^2 of KHR_materials_ior
   uint flags;     // kMaterial*
-  uint textures;  // bit i: the material has texture slot i
+  uint textures;  // bit i: the material has texture slot i; from kTextureGroupShift on: textureGroup()
   uint id;        // value of the data output material: stable, never 0
   TextureTransform transforms[19];
   uint images[19];  // bindless index of the texture and sampler per slot (descriptor indexing)
   MaterialLayers layers;
 };
 SH_CONST uint kMaterialBytes = 784u;
+// Materials of one texture group sample the same textures with the same samplers. Always 0 on a GPU.
+SH_CONST uint kTextureGroupShift = 24u, kMaxTextureGroups = 256u;
+SH_FUNC uint textureGroup(uint textures) {
+  return textures >> kTextureGroupShift;
+}
 // Places of members, in words.
 SH_CONST uint kMaterialFlagsAt = 17u;
 SH_CONST uint kMaterialTexturesAt = 18u;

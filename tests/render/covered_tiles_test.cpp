@@ -21,7 +21,7 @@ const std::vector<Aov> kPackedOutputs = {Aov::Color,     Aov::Depth,  Aov::Dista
 struct PictureSize {
   uint32_t width, height;
 };
-constexpr PictureSize kPictureSizes[] = {{1, 1}, {7, 5}, {641, 479}};
+constexpr PictureSize kPictureSizes[] = {{1, 311}, {23, 17}, {641, 479}};
 
 // Squares: one around the origin with half the given side, and two that cover few pixels near the picture's corners.
 scene::Scene threeSquares(float half, bool blended) {

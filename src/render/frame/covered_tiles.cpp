@@ -21,8 +21,8 @@ uint32_t countAlong(uint32_t pixels, uint32_t tile) {
 graph::BufferId addCoveredTiles(const FrameContext& f, graph::ImageId depth) {
   using namespace shared;  // CoveredTiles, kPixelGroup*
   const uint32_t across = countAlong(f.width, kPixelGroupX), down = countAlong(f.height, kPixelGroupY);
-  constexpr uint32_t kMaxViews = 1u << (32 - 2 * kTileBits);
-  if (!f.device.hasCpuShaders() || across > kTileMask || down > kTileMask || f.viewCount() > kMaxViews) return {};
+  static_assert(kMaxTiledViews == 1u << (32 - 2 * kTileBits));
+  if (!f.device.hasCpuShaders() || across > kTileMask || down > kTileMask || f.viewCount() > kMaxTiledViews) return {};
   const uint64_t bytes = kCoveredTilesBytes + sizeof(uint32_t) * uint64_t{across} * down * f.viewCount();
   const graph::BufferId covered =
       addSmallBuffer(f, graph::Stage::Visibility, "clear covered tiles", bytes, {}, [](graph::Context&) {

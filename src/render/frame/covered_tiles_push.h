@@ -14,6 +14,7 @@ struct CoveredTiles {
 SH_CONST uint kCoveredTilesBytes = 16u;
 SH_CONST uint kTilesAlong = 32768u;  // less than the maximum of every device
 SH_CONST uint kTileBits = 11u, kTileMask = 2047u;
+SH_CONST uint kMaxTiledViews = 1024u;  // so that the view has enough bits
 
 struct CoveredTilesPush {
   uint64_t covered;  // CoveredTiles

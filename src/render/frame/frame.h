@@ -138,6 +138,9 @@ struct VisibilityBuffer {
   graph::BufferId ids{};
   VkDeviceAddress instances = 0;
   graph::BufferId pyramid{};
+  // With the raster hardware only, and null unless addVisibility() draws them at once: the visible triangles
+  // (addTriangles()).
+  graph::ImageId triangles{};
   // The tiles of `pixels` with surfaces (frame/covered_tiles.h); null with several samples per pixel, and on a GPU.
   graph::BufferId covered{};
 };
@@ -165,6 +168,7 @@ struct Gbuffer {
   graph::ImageId behind;    // background of transmissive surfaces (layered/behind.h); none: there are no such surfaces
   graph::ImageId surfaces;  // samples of each surface in a pixel (kSurfacesFormat); none with one sample, or no targets
   bool forLighting = false;  // only lighting reads the targets, and it leaves surfaces with coats to render/layered
+  bool onlyCovered = false;  // nothing reads the targets outside of visible.covered
   // Tiles outside of which `light` is 0 and remains 0; null: unknown.
   graph::BufferId covered{};
   LightLists lightLists;  // of the pixels' surfaces, after the lighting technique has built them

@@ -11,6 +11,14 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileListRef 
 
 uint64_t tileList(uint64_t covered) { return covered + uint64_t(kCoveredTilesBytes); }
 
+void appendTile(uint64_t covered, uvec3 tile) {
+  CoveredTilesRef to = CoveredTilesRef(covered);
+  uint index = atomicAdd(to.v.count, 1u);
+  TileListRef(tileList(covered)).v[index] = tile.x | tile.y << kTileBits | tile.z << 2u * kTileBits;
+  atomicMax(to.v.groups[0], min(index + 1u, kTilesAlong));
+  atomicMax(to.v.groups[1], index / kTilesAlong + 1u);
+}
+
 // Returns the block of kPixelGroupX x kPixelGroupY pixels of this workgroup, and its view. A dispatch may have more
 // workgroups than there are tiles; their block lies outside of every image.
 uvec3 ownBlock(uint64_t covered) {

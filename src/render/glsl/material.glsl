@@ -16,6 +16,9 @@ struct SurfacePoint {
   uint triangle;  // index in the mesh
 };
 
+// The texture slots kTexture* of shared/types.h that evaluateMaterial() reads.
+#define PLAIN_SLOTS(SLOT) SLOT(0) SLOT(1) SLOT(2) SLOT(3) SLOT(4) SLOT(5) SLOT(6)
+
 // Returns the texel of a material's texture at the point. The call is uniform for all invocations with the same
 // material.
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p);

@@ -61,6 +61,7 @@ class GpuScene {
   PosedBounds boundsIn(uint32_t instance, const scene::Pose& pose) const {
     return instances_.boundsIn(instance, pose, posed_ ? deformer_.get() : nullptr);
   }
+  uint64_t triangleCount() const { return scene_.triangleCount(); }  // of all instances
   bool anyVast() const { return instances_.anyVast() || (hasWorlds() && worlds_.anyVast()); }
 
   // The lights of a world, or the scene's; the scene's if shaders write those of worlds. The counts are at least the

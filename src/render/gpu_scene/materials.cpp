@@ -47,6 +47,7 @@ MaterialSets GpuMaterials::sets(uint32_t material) const {
 void GpuMaterials::update(vk::Uploader& uploader, std::span<const uint32_t> textures,
                           std::span<const uint32_t> changed) {
   textures_.update(uploader, textures, changed);
+  groupTextures();
   for (const scene::Material& material : scene_.materials) codedTextureSlots_ |= codedSlots(scene_, material);
   const std::vector<uint32_t> followers = opacity_.updateTextures(textures);
   variants_.clear();
@@ -58,12 +59,31 @@ void GpuMaterials::update(vk::Uploader& uploader, std::span<const uint32_t> text
   if (!records_.empty()) uploadRecords(uploader, all);
 }
 
-// Returns the scene's materials whose records have other indices than their textures.
+// Returns the scene's materials whose records have other indices than their textures, or another group.
 std::vector<uint32_t> GpuMaterials::withOtherImages() const {
   std::vector<uint32_t> materials;
   for (uint32_t i = 0; i < scene_.materials.size(); ++i)
-    if (!std::ranges::equal(records_[i].images, textures_.indices(i))) materials.push_back(i);
+    if (!std::ranges::equal(records_[i].images, textures_.indices(i)) ||
+        shared::textureGroup(records_[i].textures) != groupOf_[i])
+      materials.push_back(i);
   return materials;
+}
+
+// Finds the texture groups. Materials that were removed belong to group 0.
+void GpuMaterials::groupTextures() {
+  groupOf_.assign(scene_.materials.size(), 0);
+  textureGroups_.clear();
+  if (!device_.hasCpuShaders()) return;
+  std::map<TextureIndices, uint32_t> known;
+  for (uint32_t i = 0; i < scene_.materials.size(); ++i) {
+    if (scene_.materials[i].removed) continue;
+    const auto [group, isNew] = known.try_emplace(textures_.indices(i), static_cast<uint32_t>(known.size()));
+    groupOf_[i] = group->second;
+    if (isNew) textureGroups_.push_back(i);
+  }
+  if (textureGroups_.size() <= shared::kMaxTextureGroups) return;
+  groupOf_.assign(scene_.materials.size(), 0);
+  textureGroups_.clear();
 }
 
 void GpuMaterials::updateOpacity(vk::Uploader& uploader, std::span<const uint32_t> meshes) {
@@ -198,6 +218,7 @@ void GpuMaterials::setRecord(uint32_t material, const shared::Material& data) {
     record.flags &= ~shared::kMaterialBlended;
   if (hasPlainUv(record)) record.flags |= shared::kMaterialPlainUv;
   textureSlots_ |= record.textures;
+  record.textures |= groupOf_[base] << shared::kTextureGroupShift;
   traits_ &= traitsOf(record);
   layers_ |= scene::layersOf(record);
 }

@@ -66,6 +66,9 @@ class GpuMaterials {
   void storeTexels(vk::Uploader& uploader) { textures_.storeTexels(uploader); }
   VkDeviceAddress textureRecords() const { return textures_.records(); }
   static std::vector<std::vector<vk::Binding>> setBindings(const vk::Device& device);  // of sets 1 and 2
+  // The texture groups of the scene's materials (shared::textureGroup()), by one of the materials of each. Empty on a
+  // GPU, and if there are too many.
+  std::span<const uint32_t> textureGroups() const { return textureGroups_; }
   // The texture slots for which shaders are specialized: bit i is set if a material has, or had, a texture in slot i.
   // On a GPU all bits are set, so that all scenes share their pipelines. On a CPU device, each slot adds to the time to
   // compile shaders.
@@ -74,10 +77,11 @@ class GpuMaterials {
   uint32_t codedTextureSlots() const { return codedTextureSlots_; }
   // kTrait* that all materials have, and had; 0 on a GPU.
   uint32_t traits() const { return traits_; }
-  uint32_t layers() const { return layers_; }                  // kLayer* flags that a material has, or had
-  VkDeviceAddress address() const { return list_.address(); }  // shared::Material[]
-  uint64_t revision() const { return revision_; }              // increases whenever a material changes
-  uint64_t sceneRevision() const { return sceneRevision_; }    // the same without the variants
+  uint32_t layers() const { return layers_; }                        // kLayer* flags that a material has, or had
+  VkDeviceAddress address() const { return list_.address(); }        // shared::Material[]
+  uint64_t revision() const { return revision_; }                    // increases whenever a material changes
+  uint64_t sceneRevision() const { return sceneRevision_; }          // the same without the variants
+  uint64_t textureRevision() const { return textures_.revision(); }  // the same of their textures and samplers
 
  private:
   void setRecord(uint32_t material, const shared::Material& data);
@@ -86,13 +90,16 @@ class GpuMaterials {
   void uploadUniforms(vk::Uploader& uploader, std::span<const uint32_t> changed);
   void setUniforms(vk::Buffer uniforms);
   std::vector<uint32_t> withOtherImages() const;
+  void groupTextures();
 
   vk::Device& device_;
   const scene::Scene& scene_;
   GpuTextures textures_;
   Opacity opacity_;
   std::vector<shared::Material> records_;
-  bool staleRecords_ = false;  // the device lacks some of them, because an upload failed or the list is new
+  std::vector<uint32_t> textureGroups_;  // a material of each
+  std::vector<uint32_t> groupOf_;        // by material of the scene
+  bool staleRecords_ = false;            // the device lacks some of them, because an upload failed or the list is new
   std::map<uint32_t, shared::Material> posed_;  // records that are not the scene's
   std::vector<Variant> variants_;
   GpuList<shared::Material> list_;

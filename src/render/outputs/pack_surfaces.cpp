@@ -16,8 +16,8 @@ using namespace shared;  // kPack*, kAxes*, SurfaceOutput
 
 namespace {
 
-vk::ConstantId following(vk::ConstantId first, size_t i) {
-  return vk::ConstantId{static_cast<uint32_t>(first) + static_cast<uint32_t>(i)};
+vk::ConstantId dataWordsConstant(size_t image) {
+  return vk::ConstantId{static_cast<uint32_t>(kFirstDataWordsConstant) + static_cast<uint32_t>(image)};
 }
 
 bool isDepth(const SurfaceOutput& output) {
@@ -33,17 +33,6 @@ std::vector<uint32_t> backgroundOf(const SurfaceOutput& output) {
   // packedInAxes() of pack.glsl negates the third channel.
   if (output.packing == kPackNormal && output.axes == kAxesGltf) return {0, 0, kMinusZero};
   return {};
-}
-
-// Adds the passes that fill the outputs with their backgrounds. Returns false, and adds none, if they are not constant.
-bool fillsBackgrounds(const FrameContext& f, const SurfaceOutputs& outputs) {
-  std::vector<std::vector<uint32_t>> backgrounds;
-  for (const uint32_t bits : outputs.bits) backgrounds.push_back(backgroundOf(surfaceOutputOf(bits)));
-  if (std::ranges::any_of(backgrounds, &std::vector<uint32_t>::empty)) return false;
-  for (size_t i = 0; i < outputs.places.size(); ++i)
-    addFill(f, outputs.places[i], sizeof(uint32_t) * backgrounds[i].size() * f.width * f.height, f.viewCount(),
-            backgrounds[i]);
-  return true;
 }
 
 // Packs the outputs from `first` on, at most kPackedAtOnce of them.
@@ -64,7 +53,7 @@ void addPack(const FrameContext& f, const VisibilityBuffer& visible, const Surfa
     for (size_t i = 0; i < kMaxDataImages; ++i) pass.bindings.sampled(images[std::min(i, images.size() - 1)]);
   addDataWords(words, pass.constants);
   for (size_t i = 0; i < count; ++i) {
-    pass.constants.push_back({following(kFirstOutputConstant, i), outputs.bits[first + i]});
+    pass.constants.push_back({outputConstant(i), outputs.bits[first + i]});
     pass.buffers.emplace_back(places[i].buffer, covered ? graph::Use::StorageReadWrite : places[i].use);
   }
   restrictTo(covered, pass);
@@ -76,6 +65,16 @@ void addPack(const FrameContext& f, const VisibilityBuffer& visible, const Surfa
 }
 
 }  // namespace
+
+bool fillsBackgrounds(const FrameContext& f, const SurfaceOutputs& outputs) {
+  std::vector<std::vector<uint32_t>> backgrounds;
+  for (const uint32_t bits : outputs.bits) backgrounds.push_back(backgroundOf(surfaceOutputOf(bits)));
+  if (std::ranges::any_of(backgrounds, &std::vector<uint32_t>::empty)) return false;
+  for (size_t i = 0; i < outputs.places.size(); ++i)
+    addFill(f, outputs.places[i], sizeof(uint32_t) * backgrounds[i].size() * f.width * f.height, f.viewCount(),
+            backgrounds[i]);
+  return true;
+}
 
 std::vector<uint32_t> dataWordsOf(const SurfaceOutputs& outputs) {
   std::set<uint32_t> required;
@@ -96,7 +95,7 @@ std::vector<uint32_t> dataWordsOf(const SurfaceOutputs& outputs) {
 }
 
 void addDataWords(std::span<const uint32_t> words, std::vector<vk::Constant>& constants) {
-  for (uint32_t i = 0; i < words.size(); ++i) constants.push_back({following(kFirstDataWordsConstant, i), words[i]});
+  for (uint32_t i = 0; i < words.size(); ++i) constants.push_back({dataWordsConstant(i), words[i]});
 }
 
 void addPackedSurfaces(const FrameContext& f, const VisibilityBuffer& visible, const SurfaceOutputs& outputs,

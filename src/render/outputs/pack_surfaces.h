@@ -13,6 +13,10 @@ std::vector<uint32_t> dataWordsOf(const SurfaceOutputs& outputs);
 // Appends these constants to those of a pipeline.
 void addDataWords(std::span<const uint32_t> words, std::vector<vk::Constant>& constants);
 
+// Adds the passes that fill the outputs with the values that they have where nothing is visible. Returns false, and
+// adds none, if these depend on the view.
+bool fillsBackgrounds(const FrameContext& f, const SurfaceOutputs& outputs);
+
 // Adds the passes that pack the outputs. `images` has one image per element of `words`, R32G32B32A32_UINT.
 void addPackedSurfaces(const FrameContext& f, const VisibilityBuffer& visible, const SurfaceOutputs& outputs,
                        std::span<const uint32_t> words, std::span<const graph::ImageId> images);

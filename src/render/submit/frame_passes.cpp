@@ -65,14 +65,19 @@ Shadows addShadows(const FrameContext& f, const Gbuffer& g) {
   return {atlas, drawsPages(f) ? ShadowMapState::Paged : ShadowMapState::Complete};
 }
 
+// Returns true if all passes after the geometry pass write light only where surfaces are.
+bool lightsSurfacesOnly(const FrameContext& f) {
+  const FrameConfig& s = f.setup;
+  const bool everywhere = f.environmentBackground || s.fog || s.ground || s.countLights;
+  const bool traced = s.lighting->traces || s.indirect || s.rayShadows;
+  return !everywhere && !traced;
+}
+
 // Returns the tiles outside of which the light target is 0 after the frame. The geometry pass clears it there if it
 // writes it and has one sample per pixel.
 graph::BufferId litTiles(const FrameContext& f, const Gbuffer& g) {
-  const FrameConfig& s = f.setup;
-  const bool cleared = !s.lighting->forward && s.samples == 1 && !g.targets.empty();
-  const bool everywhere = f.environmentBackground || s.fog || s.ground || s.countLights;
-  const bool traced = s.lighting->traces || s.indirect || s.rayShadows;
-  return cleared && !everywhere && !traced ? g.visible.covered : graph::BufferId{};
+  const bool cleared = !f.setup.lighting->forward && f.setup.samples == 1 && !g.targets.empty();
+  return cleared && lightsSurfacesOnly(f) ? g.visible.covered : graph::BufferId{};
 }
 
 // Paths add blended surfaces to the picture before the ground. The ground lies over fog, which lies over these
@@ -96,6 +101,7 @@ LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   g.sampleLight = multisampled ? createTarget(f, kLightFormat, "light of samples", f.setup.samples) : g.light;
   g.lightCounts = createCounts(f);
   g.forLighting = !f.setup.countLights && !f.setup.ambientOcclusion && !f.setup.sunInGbuffer;
+  g.onlyCovered = g.forLighting && lightsSurfacesOnly(f);
   if (!f.setup.lighting->forward) g = addGbuffer(f, std::move(g));
   g.covered = litTiles(f, g);
   const Shadows shadows = addShadows(f, g);

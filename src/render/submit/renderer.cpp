@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "render/exposure/check.h"
+#include "render/frame/covered_tiles_push.h"
 #include "render/frame/view.h"
 #include "render/lighting/reference/paths.h"
 #include "render/lighting/technique.h"
@@ -39,6 +40,7 @@ size_t maxViews(const vk::Device& device, const Settings& settings, Results resu
   if (results != Results::ToHost)
     most = std::max<size_t>(most, std::min(kPixelsAtOnce / (uint64_t{settings.width} * settings.height),
                                            kMaxWork / std::bit_ceil(std::max<uint64_t>(parts, 1))));
+  if (device.hasCpuShaders()) most = std::min<size_t>(most, shared::kMaxTiledViews);
   return std::min<size_t>(most, device.properties().limits.maxImageArrayLayers / settings.aa.samples);
 }
 

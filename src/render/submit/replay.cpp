@@ -84,7 +84,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .strip = part.strip,
       .results = part.job.results,
       .revisions = {sceneInput_->edits[0], sceneInput_->edits[1], sceneInput_->edits[2],
-                    gpuScene_.materials().sceneRevision()},
+                    gpuScene_.materials().sceneRevision(), gpuScene_.materials().textureRevision()},
       .textureSlots = gpuScene_.materials().textureSlots(),
       .codedTextureSlots = gpuScene_.materials().codedTextureSlots(),
       .materialTraits = gpuScene_.materials().traits(),

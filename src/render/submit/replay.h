@@ -22,7 +22,9 @@ struct ReplayKey {
   Strip strip;
   Results results;
   // The scene on the device.
-  std::array<uint64_t, 4> revisions;  // of meshes, materials and textures as edited, and of materials as posed
+  // Numbers of the scene's meshes, materials and textures as edited, of materials as posed, and of the sets that bind
+  // their textures.
+  std::array<uint64_t, 5> revisions;
   uint32_t textureSlots, codedTextureSlots, materialTraits, layers;  // of materials, including those of worlds
   enum class Worlds : uint8_t { None, ConvertedByHost, PlacedByShaders } worlds;
   bool metered;  // views have exposures of their own

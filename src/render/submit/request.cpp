@@ -74,14 +74,22 @@ bool FrameGraphBuilder::isSteady() const {
   return settings_.aa.samples == 1 && jitteredViews_.centered;
 }
 
+// Returns true if materials of visible surfaces are evaluated into a G-buffer or data outputs.
+bool FrameGraphBuilder::resolvesSurfaces() const {
+  const bool lit = showsPicture(settings_) && !settings_.lighting->forward && settings_.layout->hasTargets();
+  return lit || requestsOutput(settings_, Origin::Surface);
+}
+
 ViewSet& FrameGraphBuilder::steady() {
-  if (!steady_) steady_.emplace(state_, steadyViews_, settings_, shadows_, VisibilityOptions{.atCenters = true});
+  const VisibilityOptions options{.resolves = resolvesSurfaces() || requestsOutput(settings_, Origin::Coordinates),
+                                  .atCenters = true};
+  if (!steady_) steady_.emplace(state_, steadyViews_, settings_, shadows_, options);
   return *steady_;
 }
 
 ViewSet& FrameGraphBuilder::jittered() {
   if (isSteady()) return steady();
-  const VisibilityOptions options{.atCenters = settings_.aa.samples == 1};
+  const VisibilityOptions options{.resolves = resolvesSurfaces(), .atCenters = settings_.aa.samples == 1};
   if (!jittered_) jittered_.emplace(state_, jitteredViews_, settings_, shadows_, options);
   return *jittered_;
 }
@@ -234,7 +242,8 @@ void FrameGraphBuilder::addData() {
   ViewSet* set = &steady();
   VisibilityBuffer visible;
   if (showsBlendedData()) {
-    solid_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.blendedToo = true, .atCenters = true});
+    solid_.emplace(state_, steadyViews_, settings_, nullptr,
+                   VisibilityOptions{.blendedToo = true, .resolves = true, .atCenters = true});
     set = &*solid_;
     visible = addVisibility(solid_->frame(graph_, FrameConfig{}));
   } else {

@@ -62,6 +62,7 @@ class FrameGraphBuilder {
   ViewSet& steady();
   ViewSet& jittered();
   bool isSteady() const;  // the picture's frame has one sample per pixel, at its center
+  bool resolvesSurfaces() const;
   FrameContext litContext(const ViewSet& set, const FrameConfig& setup);
   LitFrame addPicture(const SurfaceOutputs* outputs = nullptr, const Histories& histories = {});
   graph::ImageId addLastFrame(const PictureSum& sum, const Histories& histories);

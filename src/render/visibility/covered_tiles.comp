@@ -11,14 +11,6 @@ layout(local_size_x = 128) in;
 layout(set = 0, binding = 0) uniform sampler2DArray depthImage;  // reversed; 0: background
 layout(push_constant, scalar) uniform Push { CoveredTilesPush push; };
 
-void append(uvec3 tile) {
-  CoveredTilesRef covered = CoveredTilesRef(push.covered);
-  uint index = atomicAdd(covered.v.count, 1u);
-  TileListRef(tileList(push.covered)).v[index] = tile.x | tile.y << kTileBits | tile.z << 2u * kTileBits;
-  atomicMax(covered.v.groups[0], min(index + 1u, kTilesAlong));
-  atomicMax(covered.v.groups[1], index / kTilesAlong + 1u);
-}
-
 void main() {
   uvec3 tile = uvec3(gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID, gl_WorkGroupID.yz);
   ivec2 size = textureSize(depthImage, 0).xy, corner = ivec2(tile.xy * uvec2(kPixelGroupX, kPixelGroupY));
@@ -30,5 +22,5 @@ void main() {
     nearest = max(nearest, texelFetch(depthImage, ivec3(pixel, tile.z), 0).r);
     i += gl_SubgroupSize;
   } while (i < kPixelGroupX * kPixelGroupY);
-  if (subgroupAny(nearest > 0.0) && inside && subgroupElect()) append(tile);
+  if (subgroupAny(nearest > 0.0) && inside && subgroupElect()) appendTile(push.covered, tile);
 }

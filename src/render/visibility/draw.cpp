@@ -71,7 +71,7 @@ std::vector<vk::VertexBuffer> sceneVertexBuffers(const std::string& vertexShader
                                           {10, VK_FORMAT_R32G32_SFLOAT, kPrincipal},
                                           {11, VK_FORMAT_R32_UINT, kKind},
                                           {12, VK_FORMAT_R32G32B32_SFLOAT, offsetof(shared::View, eyeLow)}}}};
-  if (vertexShader != "scene_depth.vert")
+  if (vertexShader != "scene_depth.vert" && vertexShader != "scene_triangle.vert")
     buffers[kAttributes].attributes = {{1, VK_FORMAT_R32G32B32_SFLOAT, offsetof(VertexAttributes, normal)},
                                        {2, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(VertexAttributes, tangent)},
                                        {3, VK_FORMAT_R32G32_SFLOAT, offsetof(VertexAttributes, uv0)}};
@@ -236,6 +236,21 @@ void beginView(graph::Context& context, const FrameContext& f, uint32_t view, st
                       1};
   vkCmdSetViewport(context.get(), 0, 1, &viewport);
   vkCmdSetScissor(context.get(), 0, 1, &area);
+}
+
+void recordClear(graph::Context& context, const FrameContext& f, uint32_t view,
+                 std::span<const graph::ImageId> colors) {
+  std::vector<VkRenderingAttachmentInfo> targets;
+  for (const graph::ImageId color : colors)
+    targets.push_back(attachment(context.image(color).layerView(view), VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
+                                 VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_STORE));
+  const VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+                                  .renderArea = {{0, 0}, {f.width, f.height}},
+                                  .layerCount = 1,
+                                  .colorAttachmentCount = static_cast<uint32_t>(targets.size()),
+                                  .pColorAttachments = targets.data()};
+  vkCmdBeginRendering(context.get(), &rendering);
+  vkCmdEndRendering(context.get());
 }
 
 }  // namespace latelight::render

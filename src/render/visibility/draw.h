@@ -107,4 +107,7 @@ enum class ColorUse { Clear, Keep };
 void beginView(graph::Context& context, const FrameContext& f, uint32_t view, std::span<const graph::ImageId> colors,
                DepthUse depth, ColorUse use = ColorUse::Clear, uint32_t written = ~0u);
 
+// Clears one array layer of these targets to 0.
+void recordClear(graph::Context& context, const FrameContext& f, uint32_t view, std::span<const graph::ImageId> colors);
+
 }  // namespace latelight::render

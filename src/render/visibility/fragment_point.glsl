@@ -3,8 +3,6 @@
 #include "render/glsl/material.glsl"
 #include "render/glsl/multisample.glsl"
 
-// The texture slots kTexture* of shared/types.h.
-#define PLAIN_SLOTS(SLOT) SLOT(0) SLOT(1) SLOT(2) SLOT(3) SLOT(4) SLOT(5) SLOT(6)
 #ifdef COATED  // define before the include: materials may have coats
 #define SLOTS(SLOT) \
   PLAIN_SLOTS(SLOT) SLOT(7) SLOT(8) SLOT(9) SLOT(10) SLOT(11) SLOT(12) SLOT(13) SLOT(14) SLOT(15) SLOT(16) SLOT(17) SLOT(18)

@@ -6,6 +6,7 @@
 #include "render/gbuffer/layout.h"
 #include "render/outputs/pack_surfaces.h"
 #include "render/transparency/transparency.h"
+#include "render/visibility/resolve.h"
 #include "render/visibility/sample_surfaces.h"
 #include "vk/features.h"
 
@@ -102,6 +103,7 @@ VisibilityBuffer HardwareVisibility::addVisibility(const FrameContext& f) const 
   desc.depth = kDepthFormat;
   desc.samples = f.setup.samples;
   desc.name = "depth";
+  if (options_.resolves && drawsTriangles(f)) return addDrawn(f, std::move(desc));
   vk::GraphicsDesc masked = desc;
   masked.fragment = f.setup.variant("masked.frag");
   masked.constants = f.setup.constants();
@@ -119,9 +121,38 @@ VisibilityBuffer HardwareVisibility::addVisibility(const FrameContext& f) const 
   return {f.setup.samples > 1 ? addDepthResolve(f, depth) : depth, depth};
 }
 
+// The same with the visible triangle of each pixel, from which materials are evaluated in compute.
+VisibilityBuffer HardwareVisibility::addDrawn(const FrameContext& f, vk::GraphicsDesc desc) const {
+  const graph::ImageId depth = createTarget(f, kDepthFormat, "depth");
+  const graph::ImageId triangles = createTarget(f, VK_FORMAT_R32G32_UINT, "triangles");
+  desc.constants = f.setup.constants();
+  desc.depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;  // the surface drawn last wins
+  desc.fragment = "triangle.frag";
+  desc.colors = {VK_FORMAT_R32G32_UINT};
+  desc.colorsWritten = 1;
+  const vk::GraphicsDesc masked = desc;
+  desc.vertex = "scene_triangle.vert";
+  desc.fragment = "opaque_triangle.frag";
+  const ScenePipelines pipelines = scenePipelines(f, desc, masked);
+  f.graph.pass(graph::Stage::Visibility, "depth",
+               {{depth, graph::Use::DepthAttachment}, {triangles, graph::Use::ColorAttachment}},
+               [=, this](graph::Context& context) {
+                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
+                   beginView(context, f, view, std::span(&triangles, 1), {depth, true}, ColorUse::Clear);
+                   recordOpaque(context, f, view, pipelines);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
+  return {.pixels = depth, .samples = depth, .triangles = triangles};
+}
+
 // Data outputs are packed from further color attachments of the same pass. If too few are left, a second pass writes
 // these, with a layout of one target that it does not write.
 Gbuffer HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer gbuffer) const {
+  if (gbuffer.visible.triangles && gbuffer.visible.covered) {
+    addGroupResolve(f, gbuffer, gbuffer.visible.triangles);
+    return gbuffer;
+  }
   const SurfaceOutputs* outputs = f.setup.outputs;
   if (!outputs) return addTargets(f, std::move(gbuffer), {}).gbuffer;
   const std::vector<uint32_t> words = dataWordsOf(*outputs);
@@ -212,6 +243,7 @@ graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, const Visibi
 }
 
 graph::ImageId HardwareVisibility::addTriangles(const FrameContext& f, const VisibilityBuffer& visible) const {
+  if (visible.triangles) return visible.triangles;
   vk::GraphicsDesc desc = depthTestedDesc(f.setup);
   desc.fragment = "triangle.frag";
   desc.name = "triangles";

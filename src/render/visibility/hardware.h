@@ -41,6 +41,7 @@ class HardwareVisibility {
     Gbuffer gbuffer;
     std::vector<graph::ImageId> data;  // one per element of `words`
   };
+  VisibilityBuffer addDrawn(const FrameContext& f, vk::GraphicsDesc desc) const;
   // Adds the geometry pass. `words`: dataWordsOf() the outputs that it also writes.
   WrittenTargets addTargets(const FrameContext& f, Gbuffer gbuffer, std::span<const uint32_t> words) const;
   DeviceDraws select(DrawOrder::Kind kind, std::span<const shared::View> views) const;

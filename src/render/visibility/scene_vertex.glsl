@@ -1,6 +1,6 @@
 // The vertex shader of scene draws. Options, defined before the include: MOTION adds the vertex's clip positions in the
-// previous and next frame, NO_VARYINGS outputs only gl_Position, FRAGMENT_ORDER adds the instance's position in the
-// draw order.
+// previous and next frame, NO_VARYINGS outputs only gl_Position, INSTANCE_VARYING adds the instance to it, and
+// FRAGMENT_ORDER adds the instance's position in the draw order.
 #define VERTEX_STAGE
 #include "render/glsl/common.glsl"
 #include "render/glsl/vertex_directions.glsl"
@@ -80,6 +80,9 @@ VastVertex placeVastVertex(Instance instance, Mesh mesh) {
 #ifdef NO_VARYINGS
 void main() {
   Instance instance = instanceAt(push.instances, inInstance);
+#ifdef INSTANCE_VARYING
+  varyingInstance = inInstance;
+#endif
   if (kVastDraw != 0u)
     placeVastVertex(instance, frameMesh(FrameRef(push.frame).v, instance.mesh));
   else

@@ -1,5 +1,5 @@
 // The interface of vertex and fragment shaders of scene draws: push constants, and varyings unless NO_VARYINGS is
-// defined.
+// defined. With INSTANCE_VARYING as well, the instance is the only one.
 #include "render/visibility/draw_push.h"
 
 #ifdef DRAW_PUSH  // define before the include: the struct of the fragment shader that follows DrawPush
@@ -13,12 +13,15 @@ layout(push_constant, scalar) uniform Push { DrawPush push; };
 
 layout(constant_id = kVastDrawConstant) const uint kVastDraw = 0u;  // 1: draws vast triangles, as fans
 
-#ifndef NO_VARYINGS
 #ifdef VERTEX_STAGE
 #define VARYING out
 #else
 #define VARYING in
 #endif
+#ifdef INSTANCE_VARYING
+layout(location = 5) flat VARYING uint varyingInstance;
+#endif
+#ifndef NO_VARYINGS
 layout(location = 0) VARYING vec4 varyingPosition;  // world space; w: 1
 layout(location = 1) VARYING vec3 varyingNormal;    // world space; unit length at the vertices
 layout(location = 2) VARYING vec4 varyingTangent;   // world space, not unit; w: sign of the bitangent, 0: no tangents

@@ -35,6 +35,7 @@ struct FragmentBuffers {
 // Options that select the surfaces that count as opaque, and the sample positions.
 struct VisibilityOptions {
   bool blendedToo = false;  // blended surfaces with alpha above 0 count as opaque: for data outputs
+  bool resolves = false;    // addGbuffer() or addTriangles() follow, so hardware may draw the triangles with the depths
   bool inCompute = false;   // rasterizes in compute shaders regardless of the settings
   bool traced = false;      // rays find the visible surfaces instead of rasterization; the rest is as in compute
   bool atCenters = false;   // one sample at the pixel's center; instances that cover no center are culled

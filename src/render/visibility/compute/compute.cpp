@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "render/base/pixel_group.h"
 #include "render/base/readback.h"
+#include "render/frame/covered_tiles.h"
 #include "render/frame/lit_maps.h"
 #include "render/gbuffer/layout.h"
 #include "render/lens/lens_push.h"
@@ -19,6 +20,7 @@
 #include "render/transparency/transparency.h"
 #include "render/visibility/compute/visible_motion_push.h"
 #include "render/visibility/rays/trace_visible.h"
+#include "render/visibility/resolve.h"
 #include "render/visibility/sample_surfaces.h"
 #include "vk/features.h"
 
@@ -28,11 +30,6 @@ namespace {
 
 using namespace shared;  // kRaster*, kQueue*
 using Hit = vk::ShaderKey::Hit;
-
-// The constant of an output slot in surface_outputs.glsl.
-vk::ConstantId outputConstant(size_t slot) {
-  return vk::ConstantId{static_cast<uint32_t>(kFirstOutputConstant) + static_cast<uint32_t>(slot)};
-}
 
 }  // namespace
 
@@ -75,9 +72,10 @@ View posed(const View& pinhole, const View& camera) {
 
 }  // namespace
 
-// Adds a pass over all pixels of the visibility buffer. `outputs` is OutputSlot[] or empty.
+// Adds a pass over all pixels of the visibility buffer, or those of the `covered` tiles that the pass is restricted to.
+// `outputs` is OutputSlot[] or empty.
 void ComputeVisibility::addResolve(const FrameContext& f, const VisibilityBuffer& visible, ComputePass pass,
-                                   graph::BufferId outputs) const {
+                                   graph::BufferId outputs, graph::BufferId covered) const {
   pass.size = f.pixels();
   pass.constants.push_back({kSamplesConstant, f.setup.samples});
   addVastConstant(f, pass);
@@ -87,7 +85,8 @@ void ComputeVisibility::addResolve(const FrameContext& f, const VisibilityBuffer
     return ResolvePush{.frame = frame,
                        .instances = visible.instances,
                        .visible = context.buffer(visible.ids).address(),
-                       .outputs = outputs ? context.buffer(outputs).address() : 0};
+                       .outputs = outputs ? context.buffer(outputs).address() : 0,
+                       .covered = coveredAddress(covered, context)};
   });
 }
 
@@ -263,33 +262,14 @@ bool shadesLayeredSeparately(const FrameContext& f, const Gbuffer& gbuffer) {
 Gbuffer ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer gbuffer) const {
   const Layout& layout = *f.setup.layout;
   if (!layout.hasTargets()) return addTriangleSurfaces(f, std::move(gbuffer));
-  const auto lightTarget = static_cast<uint32_t>(layout.targets.size());
-  const uint32_t wanted = writtenTargets(f.setup, gbuffer);
-  // Targets that are not written still require a bound image.
-  const auto nothing = [&](VkFormat format) {
-    return f.graph.create(vk::ImageDesc{.format = format, .name = "no target"});
-  };
-  Bindings bindings(f.device);
-  uint32_t srgb = 0;
-  for (uint32_t i = 0; i < lightTarget; ++i) {
-    const VkFormat format = layout.format(i, f.setup.normalEncoding);
-    const std::string name = layout.name + " " + layout.targets[i].name;
-    const bool stored = (wanted >> i & 1u) != 0;
-    gbuffer.targets.push_back(stored ? createTarget(f, format, name, f.setup.samples) : nothing(format));
-    if (vk::formatKind(format) == vk::FormatKind::Srgb) srgb |= 1u << i;
-    bindings.storage(gbuffer.targets.back(), graph::Use::StorageWrite);
+  if (gbuffer.visible.covered && resolvesByGroup(f)) {
+    addGroupResolve(f, gbuffer, addTriangles(f, gbuffer.visible, gbuffer.visible.covered));
+    return gbuffer;
   }
-  if (!gbuffer.sampleLight) gbuffer.sampleLight = nothing(kLightFormat);
-  bindings.storage(gbuffer.sampleLight, graph::Use::StorageWrite);
-  ComputePass pass{.stage = graph::Stage::Geometry,
-                   .name = "geometry " + layout.name,
-                   .shader = {"resolve.comp", layout.file},
-                   .bindings = std::move(bindings),
-                   .constants = {{kResolvedTargetsConstant, wanted},
-                                 {kSrgbConstant, srgb},
-                                 {kLayeredSeparatelyConstant, shadesLayeredSeparately(f, gbuffer) ? 1u : 0u}},
-                   .groupX = shared::kPixelGroupX,
-                   .groupY = shared::kPixelGroupY};
+  const uint32_t written = createTargets(f, gbuffer);
+  ComputePass pass =
+      resolvePass(f, gbuffer, written, "resolve.comp", {graph::Use::StorageWrite, graph::Use::StorageWrite});
+  pass.constants.push_back({kLayeredSeparatelyConstant, shadesLayeredSeparately(f, gbuffer) ? 1u : 0u});
   readsTextures(f, pass);
   const graph::BufferId outputs = f.setup.outputs ? packOutputs(f, pass) : graph::BufferId{};
   addResolve(f, gbuffer.visible, std::move(pass), outputs);
@@ -347,12 +327,21 @@ graph::ImageId ComputeVisibility::addMotion(const FrameContext& f, const Visibil
 }
 
 graph::ImageId ComputeVisibility::addTriangles(const FrameContext& f, const VisibilityBuffer& visible) const {
+  return addTriangles(f, visible, {});
+}
+
+// `covered`: the only tiles whose triangles are read.
+graph::ImageId ComputeVisibility::addTriangles(const FrameContext& f, const VisibilityBuffer& visible,
+                                               graph::BufferId covered) const {
   const graph::ImageId triangles = createTarget(f, VK_FORMAT_R32G32_UINT, "triangles");
-  addResolve(f, visible,
-             {.stage = graph::Stage::Geometry,
-              .name = "triangles",
-              .shader = "visible_triangles.comp",
-              .bindings = Bindings(f.device).storage(triangles, graph::Use::StorageWrite)});
+  ComputePass pass{.stage = graph::Stage::Geometry,
+                   .name = "triangles",
+                   .shader = "visible_triangles.comp",
+                   .bindings = Bindings(f.device).storage(triangles, graph::Use::StorageWrite),
+                   .groupX = kPixelGroupX,
+                   .groupY = kPixelGroupY};
+  restrictTo(covered, pass);
+  addResolve(f, visible, std::move(pass), {}, covered);
   return triangles;
 }
 

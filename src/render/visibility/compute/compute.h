@@ -53,7 +53,8 @@ class ComputeVisibility {
   void storeShadowMaps(const FrameContext& f, const RasterViews& maps, VkDeviceAddress targets, graph::ImageId atlas,
                        graph::Use use) const;
   void addResolve(const FrameContext& f, const VisibilityBuffer& visible, ComputePass pass,
-                  graph::BufferId outputs = {}) const;
+                  graph::BufferId outputs = {}, graph::BufferId covered = {}) const;
+  graph::ImageId addTriangles(const FrameContext& f, const VisibilityBuffer& visible, graph::BufferId covered) const;
   Gbuffer addSurfaces(const FrameContext& f, Gbuffer gbuffer) const;
   Gbuffer addTriangleSurfaces(const FrameContext& f, Gbuffer gbuffer) const;
   Gbuffer addSurfacesBy(const FrameContext& f, Gbuffer gbuffer, vk::ShaderKey shader, Bindings bindings) const;

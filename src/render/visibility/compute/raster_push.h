@@ -196,6 +196,7 @@ struct ResolvePush {
   uint64_t instances;
   uint64_t visible;
   uint64_t outputs;  // OutputSlot[] of resolve.comp; 0: none
+  uint64_t covered;  // CoveredTiles, if visible_triangles.comp reads only these tiles
 };
 
 struct FragmentLightPush {

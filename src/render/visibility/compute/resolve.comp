@@ -14,47 +14,18 @@
 #include "render/visibility/compute/pixel_triangles.glsl"
 #include "render/glsl/redistribute.glsl"
 #include "render/glsl/pixel_group.glsl"
-#include "shared/color.h"
 #ifdef GBUFFER_KEEPS_MOTION
 #include "render/visibility/compute/visible_motion.glsl"
 #endif
 
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
-// kTargets, bit i: target i is written; the bit after the last: light. kSrgb, bit i: target i is stored in sRGB.
-// kLayeredSeparately, 1: surfaces with coats write no attributes.
-layout(constant_id = kResolvedTargetsConstant) const uint kTargets = ~0u;
-layout(constant_id = kSrgbConstant) const uint kSrgb = 0u;
+// 1: surfaces with coats write no attributes.
 layout(constant_id = kLayeredSeparatelyConstant) const uint kLayeredSeparately = 0u;
 
-#define IMAGE_vec4 image2DArray
-#define IMAGE_uint uimage2DArray
-#define IMAGE_uvec2 uimage2DArray
-#define IMAGE_uvec4 uimage2DArray
-#define TARGET(index, name, format, type, channels) \
-  layout(set = 0, binding = index) writeonly uniform IMAGE_##type target_##name;
-GBUFFER_TARGETS(TARGET)
-#define COUNT(index, name, format, type, channels) +1
-layout(set = 0, binding = 0 GBUFFER_TARGETS(COUNT), rgba16f) writeonly uniform image2DArray lightAccumulation;
+#include "render/visibility/resolve.glsl"
 
-vec4 stored(uint index, vec4 v) {
-  return (kSrgb >> index & 1u) != 0u ? vec4(srgbFromLinear(clamp(v.rgb, 0.0, 1.0)), v.a) : v;
-}
-uvec4 stored(uint index, uint v) { return uvec4(v, 0u, 0u, 0u); }
-uvec4 stored(uint index, uvec2 v) { return uvec4(v, 0u, 0u); }
-uvec4 stored(uint index, uvec4 v) { return v; }
-
-void store(ivec3 pixel, GbufferTexel texel, vec4 light) {
-#define STORE(index, name, format, type, channels) \
-  if ((kTargets >> index & 1u) != 0u) imageStore(target_##name, pixel, stored(index, texel.name));
-  GBUFFER_TARGETS(STORE)
-  if ((kTargets >> (0 GBUFFER_TARGETS(COUNT)) & 1u) != 0u) imageStore(lightAccumulation, pixel, light);
-}
-
-GbufferTexel emptyTexel() {
-  GbufferTexel texel;
-#define EMPTY(index, name, format, type, channels) texel.name = type(0);
-  GBUFFER_TARGETS(EMPTY)
-  return texel;
+void packSurface(View view, Surface s, float depth, ivec3 pixel) {
+  writeOutputs(push.frame, view, push.outputs, exactTargets(s), depth, pixel, int(view.size.x));
 }
 
 // Writes the G-buffer of the surface that these samples show, evaluated at their center.
@@ -77,16 +48,7 @@ void resolve(FrameConstants frame, View view, ivec3 pixel, uint samples) {
     store(texel, emptyTexel(), vec4(0.0, 0.0, 0.0, kShadedSeparately));
     return;
   }
-  SurfacePoint p = visiblePoint(frame, view, t, place);
-  Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.draw.instance).material), p);
-  if (kPacksOutputs)
-    writeOutputs(push.frame, view, push.outputs, exactTargets(s), visibleDepth(visible), pixel, int(view.size.x));
-  vec4 light = emittedLight(frame, s);
-  s = storedSurface(s);
-#ifdef GBUFFER_KEEPS_MOTION
-  s.motion = seenMotion(frame, view, uint(pixel.z), t, place).xy;
-#endif
-  store(texel, packGbuffer(s, gbufferContext(view, place)), light);
+  resolveTriangle(frame, view, pixel, texel, place, t, visibleDepth(visible));
 }
 
 // Returns the number of triangles visible in a pixel besides the first; `samples` returns the samples of the first.

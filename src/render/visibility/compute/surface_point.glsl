@@ -120,6 +120,18 @@ vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
   TextureLookup place = textureLookup(m, slot, p);
   return textureGrad(materialTextures[nonuniformEXT(m.images[slot])], place.uv, place.right, place.down);
 }
+#elif defined(BINDS_TEXTURES)
+// Set 1: the textures of a group of materials (GpuMaterials::textureGroups()).
+#define DECLARE(n) layout(set = 1, binding = n) uniform sampler2D materialTexture##n;
+PLAIN_SLOTS(DECLARE)
+vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
+  TextureLookup place = textureLookup(m, slot, p);
+#define SAMPLE(n) case uint(n): return textureGrad(materialTexture##n, place.uv, place.right, place.down);
+  switch (slot) {
+    PLAIN_SLOTS(SAMPLE)
+    default: return vec4(0.0);
+  }
+}
 #else
 #include "render/glsl/texels.glsl"
 layout(constant_id = kCodedTextureSlotsConstant) const uint kCodedTextureSlots = ~0u;

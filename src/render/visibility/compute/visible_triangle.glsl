@@ -36,6 +36,18 @@ VisibleTriangle visibleTriangle(FrameConstants frame, uint64_t instances, uint i
   return t;
 }
 
+// The same for a texel of the image of addTriangles() (visibility.h). The scene has no vast triangles.
+VisibleTriangle drawnTriangle(FrameConstants frame, uvec2 drawn) {
+  VisibleTriangle t;
+  t.draw.instance = drawn.x - 1u;
+  t.draw.mesh = frameInstance(frame, t.draw.instance).mesh;
+  t.draw.stretch = 1.0;
+  t.draw.flags = 0u;
+  t.number = drawn.y;
+  t.indices = triangleIndices(frameMesh(frame, t.draw.mesh), t.number);
+  return t;
+}
+
 // Returns the corners in view space.
 vec3[3] cornersOf(FrameConstants frame, View view, VisibleTriangle t) {
   mat4x3 placed = relativeToEye(frameInstance(frame, t.draw.instance), view);

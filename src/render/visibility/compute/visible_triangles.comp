@@ -5,18 +5,19 @@
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/visible_triangle.glsl"
 #include "render/visibility/compute/visible.glsl"
+#include "render/glsl/covered_tiles.glsl"
+#include "render/glsl/pixel_group.glsl"
 
-layout(local_size_x = 16, local_size_y = 16) in;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 layout(set = 0, binding = 0) writeonly uniform uimage2DArray triangles;
 
 void main() {
-  ivec3 size = imageSize(triangles), pixel = ivec3(gl_GlobalInvocationID);
+  ivec3 size = imageSize(triangles), pixel = pixelOf(ownBlock(push.covered));
   if (any(greaterThanEqual(pixel, size))) return;
   uint id = visibleId(VisibleRef(push.visible).v[visibleIndex(uvec3(pixel), uvec2(size.xy))]);
   uvec2 found = uvec2(0u);
   if (id != 0u) {
-    VisibleTriangle t = visibleTriangle(frameOf(push.frame, gl_WorkGroupID.z), push.instances, id);
+    VisibleTriangle t = visibleTriangle(frameOf(push.frame, uint(pixel.z)), push.instances, id);
     found = uvec2(t.draw.instance + 1u, t.number);
   }
   imageStore(triangles, pixel, uvec4(found, 0u, 0u));
