@@ -180,6 +180,19 @@ TEST_F(TextureGroups, BothRastersResolveAlike) {
   }
 }
 
+TEST_F(TextureGroups, AnisotropicTexturesKeepTheirFilter) {
+  const scene::Scene scene = field();
+  Renderer groups(device(), scene, nullptr), plain(other(), scene, nullptr);
+  for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
+    Settings settings = fieldSettings(raster);
+    settings.anisotropy = 8;
+    const RenderResult a = resultOf(groups, settings, {frontPerspective(0.5f, 4)}),
+                       b = resultOf(plain, settings, {frontPerspective(0.5f, 4)});
+    EXPECT_FALSE(resolvesGroups(a));
+    EXPECT_EQ(largestDifference(a.frames[0], b.frames[0], Aov::Albedo), 0);
+  }
+}
+
 TEST_F(TextureGroups, EditsChangeGroups) {
   scene::Scene scene = field();
   Renderer renderer(device(), scene, nullptr);

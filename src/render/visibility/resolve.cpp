@@ -97,13 +97,22 @@ GroupTiles addGroupTiles(const FrameContext& f, const VisibilityBuffer& visible,
   return tiles;
 }
 
-// Adds the pass that clears the targets, which the resolve then writes where it finds surfaces.
+// Adds the pass that clears the targets, which the resolve then writes where it finds surfaces. lavapipe clears
+// attachments with all of its threads, and images with one.
 void addClearTargets(const FrameContext& f, const std::vector<graph::ImageId>& images) {
   if (images.empty()) return;
+  const bool attaches = f.device.hasGraphics();
   std::vector<graph::Access> accesses;
-  for (const graph::ImageId image : images) accesses.emplace_back(image, graph::Use::ColorAttachment);
+  for (const graph::ImageId image : images)
+    accesses.emplace_back(image, attaches ? graph::Use::ColorAttachment : graph::Use::CopyTarget);
   f.graph.pass(graph::Stage::Geometry, "clear geometry", std::move(accesses), [=](graph::Context& context) {
-    for (uint32_t view = 0; view < f.viewCount(); ++view) recordClear(context, f, view, images);
+    for (uint32_t view = 0; attaches && view < f.viewCount(); ++view) recordClear(context, f, view, images);
+    if (attaches) return;
+    constexpr VkClearColorValue kZero{};
+    constexpr VkImageSubresourceRange kAll{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS};
+    for (const graph::ImageId image : images)
+      vkCmdClearColorImage(context.get(), context.image(image).get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &kZero, 1,
+                           &kAll);
   });
 }
 
@@ -150,7 +159,9 @@ void addGroups(const FrameContext& f, ComputePass pass, const GroupTiles& tiles,
 
 bool resolvesByGroup(const FrameContext& f) {
   const bool bindsTextures = f.device.hasCpuShaders() && f.device.maxTextureArray() == 0;
-  if (f.setup.samples > 1 || !bindsTextures || !f.device.hasGraphics() || f.scene.anyVast()) return false;
+  if (f.setup.samples > 1 || !bindsTextures || f.scene.anyVast()) return false;
+  // lavapipe filters anisotropically in fragment shaders only.
+  if (f.scene.materials().isAnisotropic()) return false;
   const size_t groups = f.scene.materials().textureGroups().size();
   return groups > 0 && groups <= kMostTextureGroups;
 }

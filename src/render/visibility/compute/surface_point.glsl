@@ -124,9 +124,14 @@ vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
 // Set 1: the textures of a group of materials (GpuMaterials::textureGroups()).
 #define DECLARE(n) layout(set = 1, binding = n) uniform sampler2D materialTexture##n;
 PLAIN_SLOTS(DECLARE)
+// lavapipe approximates the logarithm that gives the level of a gradient, but not a given level.
+float levelOf(TextureLookup place, vec2 size) {
+  return log2(max(max(length(place.right * size), length(place.down * size)), 1e-18));
+}
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
   TextureLookup place = textureLookup(m, slot, p);
-#define SAMPLE(n) case uint(n): return textureGrad(materialTexture##n, place.uv, place.right, place.down);
+#define SAMPLE(n) \
+  case uint(n): return textureLod(materialTexture##n, place.uv, levelOf(place, vec2(textureSize(materialTexture##n, 0))));
   switch (slot) {
     PLAIN_SLOTS(SAMPLE)
     default: return vec4(0.0);
