@@ -189,7 +189,7 @@ TEST_F(TextureGroups, AnisotropicTexturesKeepTheirFilter) {
     const RenderResult a = resultOf(groups, settings, {frontPerspective(0.5f, 4)}),
                        b = resultOf(plain, settings, {frontPerspective(0.5f, 4)});
     EXPECT_FALSE(resolvesGroups(a));
-    EXPECT_EQ(largestDifference(a.frames[0], b.frames[0], Aov::Albedo), 0);
+    EXPECT_LT(largestDifference(a.frames[0], b.frames[0], Aov::Albedo), 1e-6f);  // sRGB is decoded in other ways
   }
 }
 

@@ -65,8 +65,8 @@ scene::Scene squareOfLevels(float texelsPerPixel, uint32_t pixels) {
   return std::move(scene);
 }
 
-// Drivers may approximate the level of detail (Vulkan 1.3, section 16.6.7). Compute shaders that filter textures
-// themselves compute its logarithm.
+// Drivers may approximate the level of detail (Vulkan 1.3, section 16.6.7). Compute shaders of devices
+// without descriptor indexing compute its logarithm themselves.
 TEST_F(TextureFilterTest, LevelsFollowTheLogarithmOfTheFootprint) {
   constexpr uint32_t kPixels = 16;
   for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
@@ -79,7 +79,8 @@ TEST_F(TextureFilterTest, LevelsFollowTheLogarithmOfTheFootprint) {
           renderOne(device(), squareOfLevels(std::exp2(level), kPixels), frontCamera(), s);
       const float seen = imageOf(frame, output::Aov::Metallic).values[kPixels * kPixels / 2] * 255 / 20;
       fmt::print("{}: level {} is sampled at {:.3f}\n", isExact ? "in shaders" : "by the driver", level, seen);
-      EXPECT_NEAR(seen, level, isExact ? 0.01f : 0.1f);
+      // The driver rounds filtered texels of a given level to 8 bits.
+      EXPECT_NEAR(seen, level, isExact ? 0.5f / 20 + 1e-3f : 0.1f);
     }
   }
 }

@@ -69,11 +69,18 @@ std::vector<uint32_t> GpuMaterials::withOtherImages() const {
   return materials;
 }
 
+// With more materials, the passes and pipelines of their groups would take longer than they save. The number of groups
+// does not decide, because data outputs load only the textures that they depend on, and all outputs take the same way.
+constexpr ptrdiff_t kMostGroupedMaterials = 8;
+static_assert(kMostGroupedMaterials <= shared::kMaxTextureGroups);
+
 // Finds the texture groups. Materials that were removed belong to group 0.
 void GpuMaterials::groupTextures() {
   groupOf_.assign(scene_.materials.size(), 0);
   textureGroups_.clear();
-  if (!device_.hasCpuShaders()) return;
+  if (!device_.hasCpuShaders() ||
+      std::ranges::count(scene_.materials, false, &scene::Material::removed) > kMostGroupedMaterials)
+    return;
   std::map<TextureIndices, uint32_t> known;
   for (uint32_t i = 0; i < scene_.materials.size(); ++i) {
     if (scene_.materials[i].removed) continue;
@@ -81,9 +88,6 @@ void GpuMaterials::groupTextures() {
     groupOf_[i] = group->second;
     if (isNew) textureGroups_.push_back(i);
   }
-  if (textureGroups_.size() <= shared::kMaxTextureGroups) return;
-  groupOf_.assign(scene_.materials.size(), 0);
-  textureGroups_.clear();
 }
 
 void GpuMaterials::updateOpacity(vk::Uploader& uploader, std::span<const uint32_t> meshes) {
