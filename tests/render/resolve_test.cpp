@@ -215,8 +215,8 @@ TEST_F(TextureGroups, EditsChangeGroups) {
   expectAsNew();
   scene::setTexture(scene, 0, gradient({10, 250, 10, 255}, {250, 10, 250, 255}, true));
   expectAsNew();
-  for (uint32_t i = 0; i < 10; ++i) {  // more groups than are resolved like this
-    scene.textures.push_back(gradient({uint8_t(20 * i), 90, 40, 255}, {9, uint8_t(25 * i), 4, 255}, true));
+  for (uint32_t i = 0; i < 20; ++i) {  // more groups than are resolved like this
+    scene.textures.push_back(gradient({uint8_t(12 * i), 90, 40, 255}, {9, uint8_t(11 * i), 4, 255}, true));
     scene::Material more = scene.materials[1];
     setTexture(more, kTextureBaseColor, static_cast<int>(scene.textures.size()) - 1);
     scene.materials.push_back(more);

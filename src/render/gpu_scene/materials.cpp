@@ -71,7 +71,7 @@ std::vector<uint32_t> GpuMaterials::withOtherImages() const {
 
 // With more materials, the passes and pipelines of their groups would take longer than they save. The number of groups
 // does not decide, because data outputs load only the textures that they depend on, and all outputs take the same way.
-constexpr ptrdiff_t kMostGroupedMaterials = 8;
+constexpr ptrdiff_t kMostGroupedMaterials = 16;
 static_assert(kMostGroupedMaterials <= shared::kMaxTextureGroups);
 
 // Finds the texture groups. Materials that were removed belong to group 0.
