@@ -146,8 +146,9 @@ struct Material {
   MaterialLayers layers;
 };
 SH_CONST uint kMaterialBytes = 784u;
-// Materials of one texture group sample the same textures with the same samplers. Always 0 on a GPU.
-SH_CONST uint kTextureGroupShift = 24u, kMaxTextureGroups = 256u;
+// Materials of one texture group sample the same textures with the same samplers. Always 0 on a GPU, and if there are
+// more than kMaxTextureGroups materials, of whose groups the passes and pipelines would take longer than they save.
+SH_CONST uint kTextureGroupShift = 24u, kMaxTextureGroups = 16u;
 SH_FUNC uint textureGroup(uint textures) {
   return textures >> kTextureGroupShift;
 }

@@ -46,6 +46,13 @@ std::vector<vk::BoundImage> Bindings::images(graph::Context& context) const {
   return images;
 }
 
+std::vector<graph::Access> accessesOf(const ComputePass& pass) {
+  std::vector<graph::Access> accesses = pass.bindings.accesses();
+  accesses.insert(accesses.end(), pass.buffers.begin(), pass.buffers.end());
+  if (pass.groups) accesses.emplace_back(pass.groups, graph::Use::IndirectRead);
+  return accesses;
+}
+
 uint64_t trafficBytes(const graph::Graph& graph, const ComputePass& pass, std::span<const graph::Access> accesses) {
   if (!pass.fullImage) return 0;
   uint64_t bytes = 0;

@@ -65,6 +65,9 @@ struct ComputePass {
   std::vector<vk::Binding> sceneBindings{};
 };
 
+// Returns the resources that a pass accesses.
+std::vector<graph::Access> accessesOf(const ComputePass& pass);
+
 // Returns the bytes that a pass with `fullImage` reads and writes; 0 for other passes.
 uint64_t trafficBytes(const graph::Graph& graph, const ComputePass& pass, std::span<const graph::Access> accesses);
 
@@ -92,9 +95,7 @@ template <std::invocable<graph::Context&> Push>
 void addCompute(const Builder& b, ComputePass pass, Push push) {
   using Constants = std::invoke_result_t<Push, graph::Context&>;
   const vk::PipelineRef pipeline = pipelineOf<Constants>(b, pass);
-  std::vector<graph::Access> accesses = pass.bindings.accesses();
-  accesses.insert(accesses.end(), pass.buffers.begin(), pass.buffers.end());
-  if (pass.groups) accesses.emplace_back(pass.groups, graph::Use::IndirectRead);
+  std::vector<graph::Access> accesses = accessesOf(pass);
   const auto [stage, name] = std::pair(pass.stage, pass.name);
   const uint64_t bytes = trafficBytes(b.graph, pass, accesses);
   b.graph.pass(

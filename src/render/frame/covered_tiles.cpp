@@ -4,7 +4,6 @@
 #include <array>
 
 #include "render/base/pixel_group.h"
-#include "render/frame/covered_tiles_push.h"
 
 namespace latelight::render {
 
@@ -23,11 +22,9 @@ graph::BufferId addCoveredTiles(const FrameContext& f, graph::ImageId depth) {
   const uint32_t across = countAlong(f.width, kPixelGroupX), down = countAlong(f.height, kPixelGroupY);
   static_assert(kMaxTiledViews == 1u << (32 - 2 * kTileBits));
   if (!f.device.hasCpuShaders() || across > kTileMask || down > kTileMask || f.viewCount() > kMaxTiledViews) return {};
-  const uint64_t bytes = kCoveredTilesBytes + sizeof(uint32_t) * uint64_t{across} * down * f.viewCount();
   const graph::BufferId covered =
-      addSmallBuffer(f, graph::Stage::Visibility, "clear covered tiles", bytes, {}, [](graph::Context&) {
-        return std::array{CoveredTiles{.groups = {0, 0, 1}, .count = 0}};
-      });
+      addSmallBuffer(f, graph::Stage::Visibility, "clear covered tiles", coveredTilesBytes(f), {},
+                     [](graph::Context&) { return std::array{kNoTiles}; });
   addCompute(f,
              {.stage = graph::Stage::Visibility,
               .name = "covered tiles",
@@ -39,6 +36,11 @@ graph::BufferId addCoveredTiles(const FrameContext& f, graph::ImageId depth) {
               .groupY = 1},
              [covered](graph::Context& context) { return CoveredTilesPush{context.buffer(covered).address()}; });
   return covered;
+}
+
+uint64_t coveredTilesBytes(const FrameContext& f) {
+  const uint64_t across = countAlong(f.width, shared::kPixelGroupX), down = countAlong(f.height, shared::kPixelGroupY);
+  return shared::kCoveredTilesBytes + sizeof(uint32_t) * across * down * f.viewCount();
 }
 
 void restrictTo(graph::BufferId covered, ComputePass& pass) {

@@ -69,18 +69,14 @@ std::vector<uint32_t> GpuMaterials::withOtherImages() const {
   return materials;
 }
 
-// With more materials, the passes and pipelines of their groups would take longer than they save. The number of groups
-// does not decide, because data outputs load only the textures that they depend on, and all outputs take the same way.
-constexpr ptrdiff_t kMostGroupedMaterials = 16;
-static_assert(kMostGroupedMaterials <= shared::kMaxTextureGroups);
-
-// Finds the texture groups. Materials that were removed belong to group 0.
+// Finds the texture groups. Materials that were removed belong to group 0. The number of materials decides whether
+// there are too many, because data outputs load only the textures that they depend on, and all outputs take the same
+// way.
 void GpuMaterials::groupTextures() {
   groupOf_.assign(scene_.materials.size(), 0);
   textureGroups_.clear();
-  if (!device_.hasCpuShaders() ||
-      std::ranges::count(scene_.materials, false, &scene::Material::removed) > kMostGroupedMaterials)
-    return;
+  const auto materials = std::ranges::count(scene_.materials, false, &scene::Material::removed);
+  if (!device_.hasCpuShaders() || materials > ptrdiff_t{shared::kMaxTextureGroups}) return;
   std::map<TextureIndices, uint32_t> known;
   for (uint32_t i = 0; i < scene_.materials.size(); ++i) {
     if (scene_.materials[i].removed) continue;

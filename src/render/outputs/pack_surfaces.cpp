@@ -35,12 +35,21 @@ std::vector<uint32_t> backgroundOf(const SurfaceOutput& output) {
   return {};
 }
 
+// Adds the passes that fill the outputs with the values that they have where nothing is visible. Returns false, and
+// adds none, if these depend on the view.
+bool fillsBackgrounds(const FrameContext& f, const SurfaceOutputs& outputs) {
+  std::vector<std::vector<uint32_t>> backgrounds;
+  for (const uint32_t bits : outputs.bits) backgrounds.push_back(backgroundOf(surfaceOutputOf(bits)));
+  if (std::ranges::any_of(backgrounds, &std::vector<uint32_t>::empty)) return false;
+  for (size_t i = 0; i < outputs.places.size(); ++i)
+    addFill(f, outputs.places[i], sizeof(uint32_t) * backgrounds[i].size() * f.width * f.height, f.viewCount(),
+            backgrounds[i]);
+  return true;
+}
+
 // Packs the outputs from `first` on, at most kPackedAtOnce of them.
 void addPack(const FrameContext& f, const VisibilityBuffer& visible, const SurfaceOutputs& outputs, size_t first,
              std::span<const uint32_t> words, std::span<const graph::ImageId> images, graph::BufferId covered) {
-  const size_t count = std::min<size_t>(kPackedAtOnce, outputs.places.size() - first);
-  const std::vector<ResultTarget> places(outputs.places.begin() + static_cast<std::ptrdiff_t>(first),
-                                         outputs.places.begin() + static_cast<std::ptrdiff_t>(first + count));
   ComputePass pass{.stage = graph::Stage::Output,
                    .name = "pack",
                    .shader = images.empty() ? "pack_depths.comp" : "pack_surfaces.comp",
@@ -52,28 +61,36 @@ void addPack(const FrameContext& f, const VisibilityBuffer& visible, const Surfa
   if (!images.empty())  // every binding requires an image
     for (size_t i = 0; i < kMaxDataImages; ++i) pass.bindings.sampled(images[std::min(i, images.size() - 1)]);
   addDataWords(words, pass.constants);
-  for (size_t i = 0; i < count; ++i) {
-    pass.constants.push_back({outputConstant(i), outputs.bits[first + i]});
-    pass.buffers.emplace_back(places[i].buffer, covered ? graph::Use::StorageReadWrite : places[i].use);
-  }
+  const std::vector<ResultTarget> places = packInSlots(outputs, first, bool(covered), pass);
   restrictTo(covered, pass);
   addCompute(f, std::move(pass), [=, frame = f.constants](graph::Context& context) {
     PackSurfacesPush push{.frame = frame, .covered = coveredAddress(covered, context), .slots = {}};
-    for (size_t i = 0; i < places.size(); ++i) push.slots[i] = {places[i].address(context), places[i].viewBytes};
+    setSlots(places, context, push.slots);
     return push;
   });
 }
 
 }  // namespace
 
-bool fillsBackgrounds(const FrameContext& f, const SurfaceOutputs& outputs) {
-  std::vector<std::vector<uint32_t>> backgrounds;
-  for (const uint32_t bits : outputs.bits) backgrounds.push_back(backgroundOf(surfaceOutputOf(bits)));
-  if (std::ranges::any_of(backgrounds, &std::vector<uint32_t>::empty)) return false;
-  for (size_t i = 0; i < outputs.places.size(); ++i)
-    addFill(f, outputs.places[i], sizeof(uint32_t) * backgrounds[i].size() * f.width * f.height, f.viewCount(),
-            backgrounds[i]);
-  return true;
+std::vector<ResultTarget> packInSlots(const SurfaceOutputs& outputs, size_t first, bool filled, ComputePass& pass) {
+  const std::span some = std::span(outputs.places).subspan(first);
+  const std::vector<ResultTarget> places(some.begin(),
+                                         some.begin() + std::min<ptrdiff_t>(kPackedAtOnce, std::ssize(some)));
+  for (size_t i = 0; i < places.size(); ++i) {
+    pass.constants.push_back({outputConstant(i), outputs.bits[first + i]});
+    pass.buffers.emplace_back(places[i].buffer, filled ? graph::Use::StorageReadWrite : places[i].use);
+  }
+  return places;
+}
+
+void setSlots(std::span<const ResultTarget> places, graph::Context& context, OutputSlot* slots) {
+  for (size_t i = 0; i < places.size(); ++i) slots[i] = {places[i].address(context), places[i].viewBytes};
+}
+
+void addBackgrounds(const FrameContext& f, const VisibilityBuffer& visible, const SurfaceOutputs& outputs) {
+  if (fillsBackgrounds(f, outputs)) return;
+  for (size_t first = 0; first < outputs.places.size(); first += kPackedAtOnce)
+    addPack(f, visible, outputs, first, {}, {}, {});
 }
 
 std::vector<uint32_t> dataWordsOf(const SurfaceOutputs& outputs) {

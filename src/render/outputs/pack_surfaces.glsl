@@ -17,8 +17,5 @@ void main() {
   ivec2 size = textureSize(depthImage, 0).xy;
   if (any(greaterThanEqual(pixel.xy, size))) return;
   float depth = texelFetch(depthImage, pixel, 0).r;
-  ExactTargets targets = packedTargets(pixel);
-#define PACK(i) if (kOutput##i != 0u) \
-  writeOutput(push.frame, view, push.slots[i], kOutput##i, targets, depth, pixel, size.x);
-  PACK(0) PACK(1) PACK(2) PACK(3) PACK(4) PACK(5)
+  writePushedOutputs(push.frame, view, push.slots, packedTargets(pixel), depth, pixel, size.x);
 }

@@ -33,6 +33,14 @@ void writeOutput(uint64_t frame, View view, OutputSlot place, uint bits, ExactTa
   for (uint i = 0u; i < o.channels; ++i) to.v[at + i] = values[i];
 }
 
+// Writes the outputs whose slots are push constants.
+void writePushedOutputs(uint64_t frame, View view, OutputSlot slots[kPackedAtOnce], ExactTargets targets, float depth,
+                        ivec3 pixel, int width) {
+#define PUSHED_WRITE(i) \
+  if (kOutput##i != 0u) writeOutput(frame, view, slots[i], kOutput##i, targets, depth, pixel, width);
+  PUSHED_WRITE(0) PUSHED_WRITE(1) PUSHED_WRITE(2) PUSHED_WRITE(3) PUSHED_WRITE(4) PUSHED_WRITE(5)
+}
+
 void writeOutputs(uint64_t frame, View view, uint64_t places, ExactTargets targets, float depth, ivec3 pixel,
                   int width) {
 #define OUTPUT_WRITE(i) \

@@ -25,10 +25,7 @@ layout(push_constant, scalar) uniform Push { GroupResolvePush push; };
 #include "render/visibility/resolve.glsl"
 
 void packSurface(View view, Surface s, float depth, ivec3 pixel) {
-  ExactTargets targets = exactTargets(s);
-#define PACK(i) if (kOutput##i != 0u) \
-  writeOutput(push.frame, view, push.slots[i], kOutput##i, targets, depth, pixel, int(view.size.x));
-  PACK(0) PACK(1) PACK(2) PACK(3) PACK(4) PACK(5)
+  writePushedOutputs(push.frame, view, push.slots, exactTargets(s), depth, pixel, int(view.size.x));
 }
 
 layout(set = 0, binding = 1 GBUFFER_TARGETS(COUNT)) uniform usampler2DArray triangles;

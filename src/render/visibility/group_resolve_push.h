@@ -6,8 +6,6 @@
 
 SH_BEGIN
 
-// With more groups, their passes and pipelines take longer than they save.
-SH_CONST uint kMostTextureGroups = 16u;
 SH_CONST uint kOnlyTextureGroup = 0xffffffffu;  // instead of a group: all materials are in one
 
 struct GroupResolvePush {

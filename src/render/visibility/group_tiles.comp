@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Lists the tiles that show materials of each texture group (GpuMaterials::textureGroups()). Input: the covered tiles,
-// and the drawn triangles. Output: CoveredTiles of each group.
+// and the visible triangles. Output: CoveredTiles of each group.
 #define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/glsl/covered_tiles.glsl"
@@ -33,6 +33,6 @@ void main() {
   if (subgroupElect()) atomicOr(groups, shown);
   barrier();
   uint group = gl_LocalInvocationID.x;
-  if (group < kMostTextureGroups && (groups >> group & 1u) != 0u)
+  if (group < kMaxTextureGroups && (groups >> group & 1u) != 0u)
     appendTile(push.lists + uint64_t(group) * push.bytes, block);
 }

@@ -4,7 +4,6 @@
 
 #include "render/base/pixel_group.h"
 #include "render/frame/covered_tiles.h"
-#include "render/frame/covered_tiles_push.h"
 #include "render/gbuffer/layout.h"
 #include "render/outputs/pack_surfaces.h"
 #include "render/visibility/draw.h"
@@ -61,24 +60,17 @@ struct GroupTiles {
   uint64_t bytes;  // of each group
 };
 
-// Returns the number of tiles of a view.
-uint64_t tilesOf(const FrameContext& f) {
-  const auto along = [](uint32_t pixels, uint32_t tile) { return (pixels + tile - 1) / tile; };
-  return uint64_t{along(f.width, kPixelGroupX)} * along(f.height, kPixelGroupY);
-}
-
 // Adds the passes that list the tiles of each group.
 GroupTiles addGroupTiles(const FrameContext& f, const VisibilityBuffer& visible, graph::ImageId triangles) {
   const auto groups = static_cast<uint32_t>(f.scene.materials().textureGroups().size());
   if (groups == 1) return {visible.covered, 0};
-  GroupTiles tiles{.buffer = {}, .bytes = kCoveredTilesBytes + sizeof(uint32_t) * tilesOf(f) * f.viewCount()};
+  GroupTiles tiles{.buffer = {}, .bytes = coveredTilesBytes(f)};
   tiles.buffer = f.graph.create(vk::BufferDesc{.size = groups * tiles.bytes, .name = "tiles of texture groups"});
   f.graph.pass(graph::Stage::Geometry, "clear tiles of texture groups", {{tiles.buffer, graph::Use::CopyTarget}},
                [=](graph::Context& context) {
-                 constexpr CoveredTiles kNone{.groups = {0, 0, 1}, .count = 0};
                  for (uint32_t i = 0; i < groups; ++i)
-                   vkCmdUpdateBuffer(context.get(), context.buffer(tiles.buffer).get(), i * tiles.bytes, sizeof(kNone),
-                                     &kNone);
+                   vkCmdUpdateBuffer(context.get(), context.buffer(tiles.buffer).get(), i * tiles.bytes,
+                                     sizeof(kNoTiles), &kNoTiles);
                });
   ComputePass pass{.stage = graph::Stage::Geometry,
                    .name = "tiles of texture groups",
@@ -120,12 +112,7 @@ void addClearTargets(const FrameContext& f, const std::vector<graph::ImageId>& i
 // of them. Groups write different pixels, so their dispatches need no barriers.
 void addGroups(const FrameContext& f, ComputePass pass, const GroupTiles& tiles, size_t first) {
   std::vector<ResultTarget> places;
-  if (const SurfaceOutputs* outputs = f.setup.outputs)
-    for (size_t i = first; i < std::min(first + kPackedAtOnce, outputs->places.size()); ++i) {
-      pass.constants.push_back({outputConstant(i - first), outputs->bits[i]});
-      pass.buffers.emplace_back(outputs->places[i].buffer, graph::Use::StorageReadWrite);
-      places.push_back(outputs->places[i]);
-    }
+  if (f.setup.outputs) places = packInSlots(*f.setup.outputs, first, true, pass);
   const std::vector<vk::Constant> setup = f.setup.constants();
   pass.constants.insert(pass.constants.end(), setup.begin(), setup.end());
   restrictTo(tiles.buffer, pass);
@@ -135,16 +122,13 @@ void addGroups(const FrameContext& f, ComputePass pass, const GroupTiles& tiles,
   for (const uint32_t material : materials.textureGroups()) sets.push_back(materials.sets(material).sets[0]);
   pass.sceneSet = sets.front();
   const vk::PipelineRef pipeline = pipelineOf<GroupResolvePush>(f, pass);
-  std::vector<graph::Access> accesses = pass.bindings.accesses();
-  accesses.insert(accesses.end(), pass.buffers.begin(), pass.buffers.end());
-  accesses.emplace_back(tiles.buffer, graph::Use::IndirectRead);
+  std::vector<graph::Access> accesses = accessesOf(pass);
   const auto [stage, name] = std::pair(pass.stage, pass.name);
   f.graph.pass(stage, name, std::move(accesses),
                [=, frame = f.constants, pass = std::move(pass)](graph::Context& context) {
                  const vk::Buffer& lists = context.buffer(tiles.buffer);
                  GroupResolvePush push{.frame = frame, .covered = 0, .slots = {}, .group = 0, .padding = 0};
-                 for (size_t i = 0; i < places.size(); ++i)
-                   push.slots[i] = {places[i].address(context), places[i].viewBytes};
+                 setSlots(places, context, push.slots);
                  for (uint32_t group = 0; group < sets.size(); ++group) {
                    push.covered = lists.address() + group * tiles.bytes;
                    push.group = sets.size() == 1 ? kOnlyTextureGroup : group;
@@ -162,8 +146,7 @@ bool resolvesByGroup(const FrameContext& f) {
   if (f.setup.samples > 1 || !bindsTextures || f.scene.anyVast()) return false;
   // lavapipe filters anisotropically in fragment shaders only.
   if (f.scene.materials().isAnisotropic()) return false;
-  const size_t groups = f.scene.materials().textureGroups().size();
-  return groups > 0 && groups <= kMostTextureGroups;
+  return !f.scene.materials().textureGroups().empty();
 }
 
 bool drawsTriangles(const FrameContext& f) {
@@ -175,7 +158,7 @@ bool drawsTriangles(const FrameContext& f) {
 void addGroupResolve(const FrameContext& f, Gbuffer& gbuffer, graph::ImageId triangles) {
   const VisibilityBuffer& visible = gbuffer.visible;
   const SurfaceOutputs* outputs = f.setup.outputs;
-  if (outputs && !fillsBackgrounds(f, *outputs)) addPackedSurfaces(f, visible, *outputs, {}, {});
+  if (outputs) addBackgrounds(f, visible, *outputs);
   const uint32_t wanted = createTargets(f, gbuffer);
   std::vector<graph::ImageId> cleared;
   for (uint32_t i = 0; i < gbuffer.targets.size(); ++i)
