@@ -2,8 +2,10 @@
 // The code paths for GPUs, on the same device, give the same bytes without a list of tiles.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstring>
 #include <functional>
+#include <iterator>
 
 #include "render/support.h"
 #include "test_device.h"
@@ -99,6 +101,29 @@ TEST_F(CoveredTiles, PicturesOfAnySizeAreTheSame) {
   for (const PictureSize& size : kPictureSizes) {
     SCOPED_TRACE(fmt::format("{}x{}", size.width, size.height));
     for (const float half : {0.4f, 5.0f}) compare(threeSquares(half, false), settingsFor(size));  // in part, and filled
+  }
+}
+
+TEST_F(CoveredTiles, EachPixelIsFound) {
+  constexpr int kWidth = 17, kHeight = 9;  // a tile of 16x8 and a pixel more
+  constexpr float kPixel = 2.0f / kHeight;
+  scene::SceneBuilder builder("pixel");
+  builder.scene.meshes = {squareMesh()};
+  builder.scene.materials = {scene::plainMaterial("m", {0.8f, 0.5f, 0.3f}, 0.2f, 0.4f)};
+  builder.addInstance("square", builder.kRoot, 0, 0, glm::scale(glm::mat4(1), glm::vec3(0.45f * kPixel)));
+  std::vector<scene::Camera> cameras;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      scene::Camera& camera = cameras.emplace_back(frontCamera());
+      camera.toWorld[3].x -= kPixel * static_cast<float>(x - kWidth / 2);
+      camera.toWorld[3].z += kPixel * static_cast<float>(y - kHeight / 2);
+    }
+  Settings settings = settingsOf(kWidth, kHeight, {Aov::Depth, Aov::Id});
+  const std::vector<output::FrameOutput> views = Renderer(device(), builder.scene, nullptr).render(cameras, settings);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const std::vector<uint32_t>& ids = views[i].aovs[1].ids;
+    EXPECT_NE(ids[i], 0u) << "pixel " << i;
+    EXPECT_EQ(std::ranges::count(ids, 0u), std::ssize(ids) - 1) << "pixel " << i;
   }
 }
 

@@ -10,6 +10,11 @@ namespace latelight::render {
 namespace {
 
 constexpr uint32_t kInvocations = 128;  // covered_tiles.comp, with a tile per subgroup
+constexpr vk::SamplerDesc kClamped{.magnify = VK_FILTER_NEAREST,
+                                   .minify = VK_FILTER_NEAREST,
+                                   .mip = VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                                   .wrapU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                   .wrapV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
 
 uint32_t countAlong(uint32_t pixels, uint32_t tile) {
   return (pixels + tile - 1) / tile;
@@ -29,7 +34,7 @@ graph::BufferId addCoveredTiles(const FrameContext& f, graph::ImageId depth) {
              {.stage = graph::Stage::Visibility,
               .name = "covered tiles",
               .shader = "covered_tiles.comp",
-              .bindings = Bindings(f.device).sampled(depth),
+              .bindings = Bindings(f.device).sampled(depth, kClamped),
               .size = {across, down, f.viewCount()},
               .buffers = {{covered, graph::Use::StorageReadWrite}},
               .groupX = std::max(1u, kInvocations / f.device.subgroupSize()),
