@@ -185,10 +185,12 @@ SH_CONST uint kMaterialLayered = 16u;       // the material has any kLayer* bit
 SH_CONST uint kMaterialTransmissive = 32u;  // the surface transmits the background (KHR_materials_transmission)
 SH_CONST uint kMaterialPlainUv = 64u;       // all textures use UV set 0 without a transform
 
-// Traits that all materials of a scene share, for which shaders of CPU devices are specialized (GpuMaterials::traits).
+// Traits that all materials or all meshes of a scene share, for which shaders of CPU devices are specialized
+// (GpuScene::traits).
 SH_CONST uint kTraitPlainUv = 1u;          // kMaterialPlainUv
 SH_CONST uint kTraitPlainSpecular = 2u;    // no material has KHR_materials_specular
 SH_CONST uint kTraitSharedOcclusion = 4u;  // occlusion is the red channel of the metallic-roughness texture
+SH_CONST uint kTraitNoExtras = 8u;         // no mesh has VertexExtra
 
 // True if the material is translucent: it is drawn over the background instead of replacing it.
 SH_FUNC bool translucent(uint materialFlags) {

@@ -95,6 +95,34 @@ TEST_F(EditCasesTest, ASceneThatBeginsEmpty) {
   EXPECT_TRUE(std::ranges::any_of(imageOf(frame, output::Aov::Color).values, [](float v) { return v > 0 && v < 1; }));
 }
 
+// The first mesh with vertex colors enables code that shaders of CPU devices leave out before.
+TEST_F(EditCasesTest, TheFirstVertexColors) {
+  scene::Scene scene;
+  scene.name = scene.source = "plain";
+  const scene::Mesh plain = sphereMesh(1);
+  scene::Mesh red = plain;
+  red.extras.assign(red.positions.size(), {.uv1 = {}, .color = {1, 0, 0, 1}});
+  const uint32_t sphere = scene::addMesh(scene, plain);
+  const uint32_t material = scene::addMaterial(scene, scene::plainMaterial("white", vec3(1), 0, 0.5f));
+  addInstance(scene, sphere, material, standing({0, 0, 1}, 1));
+  addLight(scene, workshop().lights[1]);
+  const scene::Camera camera = workshopCamera();
+  for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
+    SCOPED_TRACE(indexOf(raster));
+    Settings settings = settings_;
+    settings.raster = raster;
+    Renderer renderer(device(), scene, nullptr);
+    const auto colorsOf = [&](const scene::Mesh& mesh) {
+      scene::setMesh(scene, sphere, mesh);
+      expectAsFresh(renderer, device(), scene, settings);
+      return imageOf(renderer.render({&camera, 1}, settings).front(), output::Aov::Color).values;
+    };
+    const std::vector<float> white = colorsOf(plain);
+    EXPECT_NE(colorsOf(red), white);
+    EXPECT_EQ(colorsOf(plain), white);
+  }
+}
+
 // Without point and spot lights, and with few, no light lists are built.
 TEST_F(EditCasesTest, ALocalLightNextToASun) {
   const scene::Light lamp = scene_.lights[1];

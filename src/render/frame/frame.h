@@ -53,7 +53,7 @@ struct FrameConfig {
   uint32_t ambientOcclusion = 0;     // kAo*
   uint32_t textureSlots = ~0u;       // bit i: a material may have a texture in slot i (GpuMaterials::textureSlots)
   uint32_t codedTextureSlots = ~0u;  // bit i: such a texture may be coded in sRGB
-  uint32_t materialTraits = 0;       // kTrait*: all materials have these traits (GpuMaterials::traits)
+  uint32_t traits = 0;               // kTrait*: all materials or meshes have these traits (GpuScene::traits)
   uint32_t layers = 0;               // kLayer*: coats that a material may have (GpuMaterials::layers)
   bool lights = true;                // lights may exist; false: shaders of the deferred techniques have no light loops
   bool culledLights = true;          // light lists are faster than shading pixels with all local lights

@@ -14,7 +14,7 @@ std::vector<vk::Constant> FrameConfig::constants() const {
           {kEverySampleConstant, everySample ? 1u : 0u},
           {kTextureSlotsConstant, textureSlots},
           {kCodedTextureSlotsConstant, codedTextureSlots},
-          {kMaterialTraitsConstant, materialTraits},
+          {kTraitsConstant, traits},
           {kSunInGbufferConstant, sunInGbuffer ? 1u : 0u},
           {kLightsConstant, lights ? 1u : 0u},
           {kAmbientOcclusionConstant, ambientOcclusion},

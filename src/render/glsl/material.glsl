@@ -25,15 +25,16 @@ vec4 sampleTexture(Material m, uint slot, SurfacePoint p);
 
 // FrameConfig::textureSlots: code for slots that no material of the scene uses is not compiled.
 layout(constant_id = kTextureSlotsConstant) const uint kTextureSlots = ~0u;
-// FrameConfig::materialTraits: kTrait* that all materials share. Code for other materials is not compiled.
-layout(constant_id = kMaterialTraitsConstant) const uint kMaterialTraits = 0u;
-bool allMaterials(uint trait) { return (kMaterialTraits & trait) != 0u; }
+// FrameConfig::traits: kTrait* that all materials or meshes share. Code for others is not compiled.
+layout(constant_id = kTraitsConstant) const uint kTraits = 0u;
+bool allHave(uint trait) { return (kTraits & trait) != 0u; }
+bool hasExtras(Instance instance) { return !allHave(kTraitNoExtras) && (instance.flags & kInstanceExtras) != 0u; }
 
 bool hasTexture(Material m, uint slot) { return (m.textures & kTextureSlots & (1u << slot)) != 0u; }
 
 // Precise, so that the alpha test has the same result in all passes.
 vec2 transformedUv(TextureTransform t, vec4 uvSets) {
-  if (allMaterials(kTraitPlainUv)) return uvSets.xy;
+  if (allHave(kTraitPlainUv)) return uvSets.xy;
   vec3 uv = vec3(t.uvSet == 0u ? uvSets.xy : uvSets.zw, 1.0);
   precise vec2 transformed = vec2(dot(t.row0, uv), dot(t.row1, uv));
   return transformed;
@@ -41,7 +42,7 @@ vec2 transformedUv(TextureTransform t, vec4 uvSets) {
 
 // Transforms a gradient of both UV sets.
 vec2 transformedGradient(TextureTransform t, vec4 uvSets) {
-  if (allMaterials(kTraitPlainUv)) return uvSets.xy;
+  if (allHave(kTraitPlainUv)) return uvSets.xy;
   vec2 uv = t.uvSet == 0u ? uvSets.xy : uvSets.zw;
   return vec2(dot(t.row0.xy, uv), dot(t.row1.xy, uv));
 }

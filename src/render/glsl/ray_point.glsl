@@ -29,7 +29,7 @@ SurfacePoint rayPoint(FrameConstants frame, Ray ray, RayHit hit) {
   p.tangent = worldTangent(directions, tangent);
   p.uv = vec4(uv, uv);
   p.color = vec4(1.0);
-  if ((instance.flags & kInstanceExtras) != 0u) {
+  if (hasExtras(instance)) {
     p.uv.zw = vec2(0.0);
     p.color = vec4(0.0);
     for (int i = 0; i < 3; ++i) {

@@ -72,16 +72,16 @@ Surface evaluateMaterial(FrameConstants frame, Material m, SurfacePoint p) {
     vec4 t = sampleTexture(m, kTextureMetallicRoughness, p);
     s.metallic *= t.b;
     s.roughness *= t.g;
-    if (allMaterials(kTraitSharedOcclusion) && hasTexture(m, kTextureOcclusion)) s.ao = occlusionOf(m, t);
+    if (allHave(kTraitSharedOcclusion) && hasTexture(m, kTextureOcclusion)) s.ao = occlusionOf(m, t);
   }
-  if (!allMaterials(kTraitSharedOcclusion) && hasTexture(m, kTextureOcclusion))
+  if (!allHave(kTraitSharedOcclusion) && hasTexture(m, kTextureOcclusion))
     s.ao = occlusionOf(m, sampleTexture(m, kTextureOcclusion, p));
   s.emissive = m.emissive;
   if (hasTexture(m, kTextureEmissive)) s.emissive *= sampleTexture(m, kTextureEmissive, p).rgb;
   // KHR_materials_specular: f0 is tinted and capped at 1 before the weight scales both ends.
-  float specular = allMaterials(kTraitPlainSpecular) ? 1.0 : m.specular;
+  float specular = allHave(kTraitPlainSpecular) ? 1.0 : m.specular;
   if (hasTexture(m, kTextureSpecular)) specular *= sampleTexture(m, kTextureSpecular, p).a;
-  vec3 specularColor = allMaterials(kTraitPlainSpecular) ? vec3(1.0) : m.specularColor;
+  vec3 specularColor = allHave(kTraitPlainSpecular) ? vec3(1.0) : m.specularColor;
   if (hasTexture(m, kTextureSpecularColor)) specularColor *= sampleTexture(m, kTextureSpecularColor, p).rgb;
   s.f0 = min(m.f0 * specularColor, vec3(1.0)) * specular;
   s.f90 = specular;

@@ -76,6 +76,7 @@ void GpuGeometry::uploadMesh(vk::Uploader& uploader, uint32_t index) {
   parts.add(bytesOf(mesh.indices));  // first: see indexBuffer()
   const uint64_t positions = parts.add(bytesOf(vertices)), attributes = parts.add(bytesOf(mesh.attributes));
   const uint64_t extras = parts.add(bytesOf(mesh.extras));
+  hasExtras_ |= !mesh.extras.empty();
   vk::Buffer& buffer = buffers_[index] = parts.upload(device_, uploader, mesh.name);
   shared::Mesh& record = records_[index];
   record.indices = buffer.address();

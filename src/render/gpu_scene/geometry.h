@@ -58,6 +58,7 @@ class GpuGeometry {
   VkDeviceAddress clusters(uint32_t mesh) const;
   // Returns true if the mesh's vertices on the device are those of a pose, which the host does not know.
   bool isDeformed(uint32_t mesh) const { return deformer_ && scene_.meshes[mesh].deformation; }
+  bool hasExtras() const { return hasExtras_; }  // any mesh has VertexExtra, or had
   // Increase whenever the shape of the mesh, or of any mesh, changes.
   uint64_t revision(uint32_t mesh) const { return revisions_[mesh]; }
   uint64_t revision() const { return revision_; }
@@ -75,7 +76,7 @@ class GpuGeometry {
   const scene::Scene& scene_;
   std::vector<vk::Buffer> buffers_;   // by mesh: indices, positions, attributes, extras
   std::vector<vk::Buffer> clusters_;  // by mesh; empty before storeClusters()
-  bool hasClusters_ = false;
+  bool hasClusters_ = false, hasExtras_ = false;
   bool staleRecords_ = false;           // the device lacks records of derived meshes, because an upload failed
   const Deformer* deformer_ = nullptr;  // holds the vertices of deformed meshes; null: they are at rest
   std::vector<shared::Mesh> records_;   // at rest

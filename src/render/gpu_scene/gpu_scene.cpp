@@ -198,6 +198,11 @@ scene::Bounds GpuScene::deviceBounds(uint32_t world) const {
   return all;
 }
 
+uint32_t GpuScene::traits() const {
+  const bool noExtras = device_.hasCpuShaders() && !geometry_.hasExtras();
+  return materials_.traits() | (noExtras ? shared::kTraitNoExtras : 0u);
+}
+
 void GpuScene::describe(shared::FrameConstants& frame, uint32_t world) const {
   if (hasWorlds())
     worlds_.describe(frame, world);

@@ -62,6 +62,8 @@ class GpuScene {
     return instances_.boundsIn(instance, pose, posed_ ? deformer_.get() : nullptr);
   }
   uint64_t triangleCount() const { return scene_.triangleCount(); }  // of all instances
+  // kTrait* that all materials, or all meshes, have, and had; 0 on a GPU.
+  uint32_t traits() const;
   bool anyVast() const { return instances_.anyVast() || (hasWorlds() && worlds_.anyVast()); }
 
   // The lights of a world, or the scene's; the scene's if shaders write those of worlds. The counts are at least the

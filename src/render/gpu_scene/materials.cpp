@@ -8,6 +8,13 @@
 
 namespace latelight::render {
 
+namespace {
+
+// Those of traitsOf().
+constexpr uint32_t kOwnTraits = shared::kTraitPlainUv | shared::kTraitPlainSpecular | shared::kTraitSharedOcclusion;
+
+}  // namespace
+
 GpuMaterials::GpuMaterials(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader)
     : device_(device),
       scene_(scene),
@@ -16,7 +23,7 @@ GpuMaterials::GpuMaterials(vk::Device& device, const scene::Scene& scene, vk::Up
       list_(device, "materials"),
       textureSlots_(device.isCpu() ? 0 : ~0u),
       codedTextureSlots_(textureSlots_),
-      traits_(device.hasCpuShaders() ? ~0u : 0) {
+      traits_(device.hasCpuShaders() ? kOwnTraits : 0) {
   const VkDeviceSize alignment = device_.properties().limits.minUniformBufferOffsetAlignment;
   uniformStride_ = (sizeof(shared::Material) + alignment - 1) / alignment * alignment;
   update(uploader, allOf(scene.textures.size()), allOf(scene.materials.size()));

@@ -76,7 +76,7 @@ class GpuMaterials {
   uint32_t textureSlots() const { return textureSlots_; }
   // The same for textures that are coded in sRGB. Shaders of a CPU device do not decode those of other slots.
   uint32_t codedTextureSlots() const { return codedTextureSlots_; }
-  // kTrait* that all materials have, and had; 0 on a GPU.
+  // kTrait* of materials that all of them have, and had; 0 on a GPU.
   uint32_t traits() const { return traits_; }
   uint32_t layers() const { return layers_; }                        // kLayer* flags that a material has, or had
   VkDeviceAddress address() const { return list_.address(); }        // shared::Material[]

@@ -87,7 +87,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
                     gpuScene_.materials().sceneRevision(), gpuScene_.materials().textureRevision()},
       .textureSlots = gpuScene_.materials().textureSlots(),
       .codedTextureSlots = gpuScene_.materials().codedTextureSlots(),
-      .materialTraits = gpuScene_.materials().traits(),
+      .traits = gpuScene_.traits(),
       .layers = gpuScene_.materials().layers(),
       .worlds = part.job.placedWorlds > 0 ? ReplayKey::Worlds::PlacedByShaders
                 : gpuScene_.hasWorlds()   ? ReplayKey::Worlds::ConvertedByHost

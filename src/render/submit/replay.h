@@ -25,7 +25,7 @@ struct ReplayKey {
   // Numbers of the scene's meshes, materials and textures as edited, of materials as posed, and of the sets that bind
   // their textures.
   std::array<uint64_t, 5> revisions;
-  uint32_t textureSlots, codedTextureSlots, materialTraits, layers;  // of materials, including those of worlds
+  uint32_t textureSlots, codedTextureSlots, traits, layers;  // of materials, including those of worlds
   enum class Worlds : uint8_t { None, ConvertedByHost, PlacedByShaders } worlds;
   bool metered;  // views have exposures of their own
   bool mixesBlended, anyBlended;

@@ -220,7 +220,7 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
   setup.vast = state_.scene.anyVast();
   setup.textureSlots = state_.scene.materials().textureSlots();
   setup.codedTextureSlots = state_.scene.materials().codedTextureSlots();
-  setup.materialTraits = state_.scene.materials().traits();
+  setup.traits = state_.scene.traits();
   setup.layers = state_.scene.materials().layers();
   setup.environment = state_.hasEnvironment ? state_.environment->kind() : shared::kEnvironmentNone;
   // On GPUs, light loops stay enabled, so that the first light that an edit adds creates no pipelines.

@@ -47,7 +47,7 @@ void setCoordinates(inout SurfacePoint p, VisibleTriangle t, Mesh mesh, Instance
   p.color = vec4(1.0);
   uvRight = vec4(right, right);
   uvDown = vec4(down, down);
-  if ((instance.flags & kInstanceExtras) != 0u) {
+  if (hasExtras(instance)) {
     p.uv.zw = uvRight.zw = uvDown.zw = vec2(0.0);
     p.color = vec4(0.0);
     for (int i = 0; i < 3; ++i) {
@@ -68,7 +68,7 @@ void setVastPlace(inout SurfacePoint p, FrameConstants frame, View view, Visible
   p.position = toWorldAxes(view, seen) + view.eye;
   VastWeights w = vastWeights(corners[0], corners[1], corners[2], exact(seen));
   p.uv.xy = attributeOf(w, vec3(attributes[0].uv0, 0.0), vec3(attributes[1].uv0, 0.0), vec3(attributes[2].uv0, 0.0)).xy;
-  if ((frameInstance(frame, t.draw.instance).flags & kInstanceExtras) == 0u) p.uv.zw = p.uv.xy;
+  if (!hasExtras(frameInstance(frame, t.draw.instance))) p.uv.zw = p.uv.xy;
 }
 
 SurfacePoint visiblePoint(FrameConstants frame, View view, VisibleTriangle t, vec2 pixel) {
