@@ -7,8 +7,8 @@
 #include "render/lighting/lighting_push.h"
 
 struct CellLights {
-  bool listed;       // false: every cell has all local lights, and the members below are not set
-  CellsRef cells;    // of one tile
+  bool listed;       // false: every cell has all local lights, and `entries` is not set
+  CellsRef cells;    // of one tile, or any memory
   uint64_t entries;  // of the same tile: uint[]
 };
 
@@ -17,8 +17,8 @@ const uint kShortCell = 48u;  // maximum lights of a short list; the fastest of 
 // Shades the lit lanes, whose surfaces lie in one cell of the tile, with all lights. If the cell's list overflowed, the
 // lights come from the light tree.
 void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, uint cell) {
-  uvec2 list = uvec2(0u, frame.lightCount - frame.directionalLights);
-  if (lights.listed) list = lights.cells.v[1u + cell];
+  uvec2 list = lights.cells.v[lights.listed ? 1u + cell : 0u];
+  list = lights.listed ? list : uvec2(0u, frame.lightCount - frame.directionalLights);
   bool fits = list.y != kOverflow;
   uint64_t indices = lights.listed ? lights.entries + uint64_t(list.x) * 4u : kAllLights;
   if (kCpuDevice == 0u && list.y <= kShortCell) {
@@ -46,11 +46,13 @@ struct CellLookup {
 vec3 shadeFromCells(FrameConstants frame, LightCells cells, CellLookup place, Surface s, LIT_BRDF brdf, bool lit) {
   uint64_t tile = tileOf(place.block / uvec3(kTileSize / kPixelGroupX, kTileSize / kPixelGroupY, 1u), cells.tiles);
   bool listed = cells.cells != uint64_t(0);
-  CellLights lights = CellLights(listed, CellsRef(cells.cells + tile * (8u * (kCellsPerTile + 1u))),
-                                 cells.entries + tile * (4u * kEntriesPerTile));
-  uint slice = 0u;
-  if (listed && (kCellsPerTile > 1u || lights.cells.v[1].y == kOverflow))
-    slice = sliceOf(depthKey(place.projection, place.depth), lights.cells.v[0]);
+  // Without lists, other memory is loaded. In branches, compilers would replace its address by the lists' 0, from which
+  // lavapipe of Mesa 26 loads even where a branch is not taken.
+  uint64_t own = listed ? cells.cells + tile * (8u * (kCellsPerTile + 1u)) : frame.views;
+  CellLights lights = CellLights(listed, CellsRef(own), cells.entries + tile * (4u * kEntriesPerTile));
+  uvec2 slices = lights.cells.v[0], firstCell = lights.cells.v[1];
+  bool sliced = listed && (kCellsPerTile > 1u || firstCell.y == kOverflow);
+  uint slice = sliced ? sliceOf(depthKey(place.projection, place.depth), slices) : 0u;
   bool waits = lit;
   if (!subgroupAny(waits)) return vec3(0.0);
   countLanes();
