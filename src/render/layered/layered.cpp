@@ -65,10 +65,10 @@ void drawLayered(const FrameContext& f, const Gbuffer& gbuffer, const HardwareVi
   f.graph.pass(graph::Stage::Lighting, desc.name, std::move(accesses), [=, &hardware](graph::Context& context) {
     const std::vector<vk::BoundImage> images = maps.images(context);
     for (uint32_t view = 0; view < f.viewCount(); ++view) {
-      beginView(context, f, view, colors, {gbuffer.sampleDepth, false}, several ? ColorUse::Clear : ColorUse::Keep);
+      const ViewRendering rendering(context, f, view, colors, {gbuffer.sampleDepth, false},
+                                    several ? ColorUse::Clear : ColorUse::Keep);
       SceneBinder binder(context, f.scene, hardware.solid(), drawnView(f, view), pipelines, images);
       recordLayered(context, f, hardware.solid(), view, binder);
-      vkCmdEndRendering(context.get());
     }
   });
   if (several) addSamples(f, target, gbuffer.light);

@@ -66,14 +66,13 @@ void addSunOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
     for (uint32_t view = 0; view < f.viewCount(); ++view) {
       const std::optional<uint32_t> sun = f.shadows->sun(view);
       if (!sun) continue;
-      beginView(context, f, view, std::span(&target, 1), {stencil, true}, ColorUse::Keep);
+      const ViewRendering rendering(context, f, view, std::span(&target, 1), {stencil, true}, ColorUse::Keep);
       vkCmdSetStencilReference(context.get(), VK_STENCIL_FACE_FRONT_AND_BACK, kMayBeLit);
       const shared::SunPush push{f.constantsOf(view), view, f.shadows->of(view, *sun), f.lightsOf(view)[*sun]};
       for (const vk::PipelineRef& step : {mark, fill}) {
         context.commands().bind(step.get(), images, push);
         recordScreen(context);
       }
-      vkCmdEndRendering(context.get());
     }
   });
 }

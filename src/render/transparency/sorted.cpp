@@ -57,10 +57,9 @@ void addSortedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
                [=, &draws](graph::Context& context) {
                  const std::vector<vk::BoundImage> images = maps.images(context);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, {&gbuffer.light, 1}, {depth, false}, ColorUse::Keep);
+                   const ViewRendering rendering(context, f, view, {&gbuffer.light, 1}, {depth, false}, ColorUse::Keep);
                    SceneBinder binder(context, f.scene, draws, drawnView(f, view), pipelines, images);
                    for (const Draw& draw : backToFront(f, draws, view)) recordFaces(context, f.scene, binder, draw);
-                   vkCmdEndRendering(context.get());
                  }
                });
 }

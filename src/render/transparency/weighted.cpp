@@ -23,10 +23,9 @@ void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
                [=, &draws](graph::Context& context) {
                  const std::vector<vk::BoundImage> images = maps.images(context);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, sums, {depth, false});
+                   ViewRendering rendering(context, f, view, sums, {depth, false});
                    SceneBinder binder(context, f.scene, draws, drawnView(f, view), pipelines, images);
-                   recordDraws(context, f.scene, binder, draws[view]);
-                   vkCmdEndRendering(context.get());
+                   rendering.draw(f.scene, binder, draws[view]);
                  }
                });
   Bindings bindings(f.device);

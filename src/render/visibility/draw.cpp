@@ -164,13 +164,6 @@ void recordDraw(graph::Context& context, const GpuScene& scene, const Draw& draw
   vkCmdDrawIndexed(context.get(), scene.geometry().indexCount(draw.mesh), draw.count, 0, 0, draw.first);
 }
 
-void recordDraws(graph::Context& context, const GpuScene& scene, SceneBinder& binder, const std::vector<Draw>& draws) {
-  for (const Draw& draw : draws) {
-    binder.bind(draw);
-    recordDraw(context, scene, draw);
-  }
-}
-
 graph::ImageId addScreenDepth(const FrameContext& f, graph::Stage stage, const char* name, const char* shader,
                               graph::ImageId from) {
   Bindings bindings(f.device, graph::Use::SampledFragment);
@@ -188,10 +181,9 @@ graph::ImageId addScreenDepth(const FrameContext& f, graph::Stage stage, const c
   f.graph.pass(stage, name, {{depth, graph::Use::DepthAttachment}, {from, graph::Use::SampledFragment}},
                [=](graph::Context& context) {
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, {}, {depth, true});
+                   const ViewRendering rendering(context, f, view, {}, {depth, true});
                    context.commands().bind(pipeline.get(), bindings.images(context), view);
                    recordScreen(context);
-                   vkCmdEndRendering(context.get());
                  }
                });
   return depth;
@@ -208,34 +200,107 @@ void recordScreen(graph::Context& context) {
   vkCmdDraw(context.get(), 3, 1, 0, 0);
 }
 
-void beginView(graph::Context& context, const FrameContext& f, uint32_t view, std::span<const graph::ImageId> colors,
-               DepthUse depth, ColorUse use, uint32_t written) {
-  std::vector<VkRenderingAttachmentInfo> targets;
+// --- rendering -------------------------------------------------------------------------------------------------------
+
+namespace {
+
+// Triangles per rendering. Smaller ones of large scenes take longer (docs/experiments.md, "Vertices and rasterization
+// at once").
+constexpr uint64_t kLeastInPart = 4096, kMostInPart = 16384, kParts = 16;
+
+void keepContents(VkRenderingAttachmentInfo& target) {
+  if (target.loadOp == VK_ATTACHMENT_LOAD_OP_CLEAR) target.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
+}
+
+}  // namespace
+
+ViewRendering::ViewRendering(graph::Context& context, const FrameContext& f, uint32_t view,
+                             std::span<const graph::ImageId> colors, DepthUse depth, ColorUse use, uint32_t written)
+    : context_(context),
+      hasStencil_(vk::hasStencil(context.image(depth.image).desc().format)),
+      extent_{f.width, f.height},
+      overlaps_(f.device.hasCpuShaders()) {
   const VkAttachmentLoadOp load = use == ColorUse::Clear ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
   for (size_t i = 0; i < colors.size(); ++i) {
     const bool wanted = (written >> i & 1u) != 0;
-    targets.push_back(attachment(context.image(colors[i]).layerView(view), VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
+    colors_.push_back(attachment(context.image(colors[i]).layerView(view), VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
                                  wanted ? load : VK_ATTACHMENT_LOAD_OP_DONT_CARE,
                                  wanted ? VK_ATTACHMENT_STORE_OP_STORE : VK_ATTACHMENT_STORE_OP_DONT_CARE));
   }
-  VkRenderingAttachmentInfo depthTarget =
-      depth.clear ? attachment(context.image(depth.image).layerView(view), VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-                               VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_STORE)
-                  : attachment(context.image(depth.image).layerView(view), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL,
-                               VK_ATTACHMENT_LOAD_OP_LOAD, VK_ATTACHMENT_STORE_OP_NONE);
-  VkRect2D area{{0, 0}, {f.width, f.height}};
-  VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-                            .renderArea = area,
-                            .layerCount = 1,
-                            .colorAttachmentCount = static_cast<uint32_t>(targets.size()),
-                            .pColorAttachments = targets.data(),
-                            .pDepthAttachment = &depthTarget};
-  if (vk::hasStencil(context.image(depth.image).desc().format)) rendering.pStencilAttachment = &depthTarget;
-  vkCmdBeginRendering(context.get(), &rendering);
-  VkViewport viewport{0, static_cast<float>(f.height), static_cast<float>(f.width), -static_cast<float>(f.height), 0,
-                      1};
+  const VkImageView depthView = context.image(depth.image).layerView(view);
+  depth_ = depth.clear ? attachment(depthView, VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL, VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                    VK_ATTACHMENT_STORE_OP_STORE)
+                       : attachment(depthView, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL, VK_ATTACHMENT_LOAD_OP_LOAD,
+                                    VK_ATTACHMENT_STORE_OP_NONE);
+  begin(extent_);
+  const VkRect2D area{{0, 0}, extent_};
+  const VkViewport viewport{
+      0, static_cast<float>(f.height), static_cast<float>(f.width), -static_cast<float>(f.height), 0, 1};
   vkCmdSetViewport(context.get(), 0, 1, &viewport);
   vkCmdSetScissor(context.get(), 0, 1, &area);
+}
+
+ViewRendering::~ViewRendering() {
+  vkCmdEndRendering(context_.get());
+}
+
+void ViewRendering::begin(VkExtent2D extent) {
+  VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+                            .renderArea = {{0, 0}, extent},
+                            .layerCount = 1,
+                            .colorAttachmentCount = static_cast<uint32_t>(colors_.size()),
+                            .pColorAttachments = colors_.data(),
+                            .pDepthAttachment = &depth_};
+  if (hasStencil_) rendering.pStencilAttachment = &depth_;
+  vkCmdBeginRendering(context_.get(), &rendering);
+}
+
+// Begins another rendering if these triangles are too many for the current one. An empty one of another area makes
+// lavapipe rasterize what was recorded.
+void ViewRendering::makeSpace(uint32_t triangles) {
+  if (overlaps_ && recorded_ > 0 && recorded_ + triangles > inPart_) {
+    for (VkRenderingAttachmentInfo& color : colors_) keepContents(color);
+    keepContents(depth_);
+    vkCmdEndRendering(context_.get());
+    begin({1, 1});
+    vkCmdEndRendering(context_.get());
+    begin(extent_);
+    recorded_ = 0;
+  }
+  recorded_ += triangles;
+}
+
+// Draws instance after instance, as one draw does.
+void ViewRendering::drawInParts(const GpuScene& scene, const vk::Pipeline& pipeline, const Draw& draw) {
+  const auto pushFirst = [&](uint32_t triangle) {
+    vkCmdPushConstants(context_.get(), pipeline.layout.get(), VK_SHADER_STAGE_ALL,
+                       offsetof(shared::DrawPush, firstTriangle), sizeof(triangle), &triangle);
+  };
+  const uint32_t triangles = scene.geometry().indexCount(draw.mesh) / 3;
+  const uint32_t together = std::max(1u, inPart_ / triangles);  // instances
+  for (uint32_t instance = 0; instance < draw.count; instance += together) {
+    const uint32_t count = std::min(together, draw.count - instance);
+    for (uint32_t first = 0; first < triangles; first += inPart_) {
+      const uint32_t part = std::min(inPart_, triangles - first);
+      makeSpace(part * count);
+      if (triangles > part) pushFirst(first);
+      vkCmdDrawIndexed(context_.get(), 3 * part, count, 3 * first, 0, draw.first + instance);
+    }
+  }
+  if (triangles > inPart_) pushFirst(0);
+}
+
+void ViewRendering::draw(const GpuScene& scene, SceneBinder& binder, const std::vector<Draw>& draws) {
+  uint64_t indices = 0;
+  for (const Draw& draw : draws) indices += uint64_t{scene.geometry().indexCount(draw.mesh)} * draw.count;
+  inPart_ = static_cast<uint32_t>(std::clamp(indices / 3 / kParts, kLeastInPart, kMostInPart));
+  for (const Draw& draw : draws) {
+    const vk::Pipeline& pipeline = binder.bind(draw);
+    if (overlaps_ && !draw.vast && scene.geometry().indexCount(draw.mesh) > 0)
+      drawInParts(scene, pipeline, draw);
+    else
+      recordDraw(context_, scene, draw);
+  }
 }
 
 void recordClear(graph::Context& context, const FrameContext& f, uint32_t view,

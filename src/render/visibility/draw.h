@@ -73,9 +73,8 @@ class SceneBinder {
   uint32_t material_ = ~0u, mesh_ = ~0u;
 };
 
-// Records draws with the bound state: all instances of one draw, or a list of draws.
+// Records a draw with the bound state.
 void recordDraw(graph::Context& context, const GpuScene& scene, const Draw& draw);
-void recordDraws(graph::Context& context, const GpuScene& scene, SceneBinder& binder, const std::vector<Draw>& draws);
 
 // Push constants that follow DrawPush: the total size for the pipeline's description, and the command that sets them.
 template <typename More>
@@ -97,15 +96,44 @@ graph::ImageId attachableDepth(const FrameContext& f, graph::ImageId depth);
 // Draws one full-screen triangle without face culling.
 void recordScreen(graph::Context& context);
 
-// Begins rendering to one array layer of these targets, with y up as in projection.h. Colors are cleared to 0, or
-// loaded; those that are not `written` (bit i: color i) become undefined.
 struct DepthUse {
   graph::ImageId image;
   bool clear;  // clears depth, and stencil if present; otherwise depth is only tested
 };
 enum class ColorUse { Clear, Keep };
-void beginView(graph::Context& context, const FrameContext& f, uint32_t view, std::span<const graph::ImageId> colors,
-               DepthUse depth, ColorUse use = ColorUse::Clear, uint32_t written = ~0u);
+
+// Renders to one array layer of these targets, with y up as in projection.h, from its construction to its destruction.
+// Colors are cleared to 0, or kept; those that are not `written` (bit i: color i) become undefined.
+//
+// On CPU devices, many triangles are drawn by several renderings, so that the vertices of one are processed while the
+// one before is rasterized. lavapipe does each of these on threads of its own, but it rasterizes a rendering only when
+// one with other targets or another area begins, or at a barrier, where it waits for all. So there are no barriers
+// between the renderings. lavapipe rasterizes them in their order.
+class ViewRendering {
+ public:
+  ViewRendering(graph::Context& context, const FrameContext& f, uint32_t view, std::span<const graph::ImageId> colors,
+                DepthUse depth, ColorUse use = ColorUse::Clear, uint32_t written = ~0u);
+  ~ViewRendering();
+  ViewRendering(const ViewRendering&) = delete;
+  ViewRendering& operator=(const ViewRendering&) = delete;
+
+  graph::Context& context() const { return context_; }
+  // Records all draws of a list.
+  void draw(const GpuScene& scene, SceneBinder& binder, const std::vector<Draw>& draws);
+
+ private:
+  void begin(VkExtent2D extent);
+  void makeSpace(uint32_t triangles);
+  void drawInParts(const GpuScene& scene, const vk::Pipeline& pipeline, const Draw& draw);
+  graph::Context& context_;
+  std::vector<VkRenderingAttachmentInfo> colors_;
+  VkRenderingAttachmentInfo depth_;
+  bool hasStencil_;
+  VkExtent2D extent_;
+  bool overlaps_;          // the driver is lavapipe
+  uint32_t inPart_ = 0;    // triangles per rendering, if there are several
+  uint64_t recorded_ = 0;  // triangles since the last rendering began
+};
 
 // Clears one array layer of these targets to 0.
 void recordClear(graph::Context& context, const FrameContext& f, uint32_t view, std::span<const graph::ImageId> colors);

@@ -12,11 +12,11 @@ SH_BEGIN
 // clipping to six planes, which has at most nine corners.
 SH_CONST uint kVastFan = 7u;
 
-struct DrawPush {      // 24 bytes
+struct DrawPush {      // 24 bytes: a multiple of 8, so that C++ and GLSL agree on where the appended struct begins
   uint64_t frame;      // FrameConstants
   uint64_t instances;  // Instance[]
   uint view;
-  uint padding;  // aligns the appended struct to 8 bytes in C++
+  uint firstTriangle;  // of its mesh, because ViewRendering may draw it in parts
 };
 
 struct ShadowDraw {  // for draws into a shadow map

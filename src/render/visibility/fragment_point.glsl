@@ -94,7 +94,7 @@ SurfacePoint fragmentPoint() {
 #else
   p.mesh = frameInstance(FrameRef(push.frame).v, varyingInstance).mesh;
 #endif
-  p.triangle = uint(gl_PrimitiveID) / (kVastDraw != 0u ? kVastFan : 1u);
+  p.triangle = (push.firstTriangle + uint(gl_PrimitiveID)) / (kVastDraw != 0u ? kVastFan : 1u);
   return p;
 }
 

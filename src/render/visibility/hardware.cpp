@@ -64,11 +64,11 @@ bool HardwareVisibility::anyBlended() const {
   return !blended_.empty();
 }
 
-void HardwareVisibility::recordOpaque(graph::Context& context, const FrameContext& f, uint32_t view,
-                                      const ScenePipelines& pipelines, std::span<const vk::BoundImage> images) const {
+void HardwareVisibility::drawOpaque(ViewRendering& rendering, const FrameContext& f, uint32_t view,
+                                    const ScenePipelines& pipelines, std::span<const vk::BoundImage> images) const {
   const auto record = [&](const DeviceDraws& draws) {
-    SceneBinder binder(context, scene_, draws, drawnView(f, view), pipelines, images);
-    recordDraws(context, scene_, binder, draws[view]);
+    SceneBinder binder(rendering.context(), scene_, draws, drawnView(f, view), pipelines, images);
+    rendering.draw(scene_, binder, draws[view]);
   };
   record(solid_);
   if (options_.blendedToo) record(blended_);
@@ -88,9 +88,8 @@ void HardwareVisibility::addSolid(const FrameContext& f, graph::Stage stage, vk:
   f.graph.pass(stage, desc.name, std::move(accesses), [=, this, written = desc.colorsWritten](graph::Context& context) {
     const std::vector<vk::BoundImage> images = inputs.images(context);
     for (uint32_t view = 0; view < f.viewCount(); ++view) {
-      beginView(context, f, view, colors, {depth, false}, ColorUse::Clear, written);
-      recordOpaque(context, f, view, pipelines, images);
-      vkCmdEndRendering(context.get());
+      ViewRendering rendering(context, f, view, colors, {depth, false}, ColorUse::Clear, written);
+      drawOpaque(rendering, f, view, pipelines, images);
     }
   });
 }
@@ -113,9 +112,8 @@ VisibilityBuffer HardwareVisibility::addVisibility(const FrameContext& f) const 
   f.graph.pass(graph::Stage::Visibility, "depth", {{depth, graph::Use::DepthAttachment}},
                [=, this](graph::Context& context) {
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, {}, {depth, true});
-                   recordOpaque(context, f, view, pipelines);
-                   vkCmdEndRendering(context.get());
+                   ViewRendering rendering(context, f, view, {}, {depth, true});
+                   drawOpaque(rendering, f, view, pipelines);
                  }
                });
   return {f.setup.samples > 1 ? addDepthResolve(f, depth) : depth, depth};
@@ -138,9 +136,8 @@ VisibilityBuffer HardwareVisibility::addDrawn(const FrameContext& f, vk::Graphic
                {{depth, graph::Use::DepthAttachment}, {triangles, graph::Use::ColorAttachment}},
                [=, this](graph::Context& context) {
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, std::span(&triangles, 1), {depth, true}, ColorUse::Clear);
-                   recordOpaque(context, f, view, pipelines);
-                   vkCmdEndRendering(context.get());
+                   ViewRendering rendering(context, f, view, std::span(&triangles, 1), {depth, true}, ColorUse::Clear);
+                   drawOpaque(rendering, f, view, pipelines);
                  }
                });
   return {.pixels = depth, .samples = depth, .triangles = triangles};
@@ -231,12 +228,11 @@ graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, const Visibi
                {{visible.pixels, graph::Use::DepthTest}, {motion, graph::Use::ColorAttachment}},
                [=, this, depth = visible.pixels](graph::Context& context) {
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, std::span(&motion, 1), {depth, false});
+                   ViewRendering rendering(context, f, view, std::span(&motion, 1), {depth, false});
                    context.commands().bind(background.get(), {},
                                            shared::DrawPush{.frame = f.constantsOf(view), .view = view});
                    recordScreen(context);
-                   recordOpaque(context, f, view, pipelines);
-                   vkCmdEndRendering(context.get());
+                   drawOpaque(rendering, f, view, pipelines);
                  }
                });
   return motion;
@@ -288,7 +284,7 @@ void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuf
                  const std::vector<vk::BoundImage> images = maps.images(context);
                  const shared::FragmentLists lists = listsOf(context, buffers);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, {}, {depth, false});
+                   const ViewRendering rendering(context, f, view, {}, {depth, false});
                    SceneBinder binder(context, scene_, blended_, drawnView(f, view), pipelines, images);
                    uint32_t order = 0;  // wraps around beyond 2^32 triangles per view
                    for (const Draw& draw : blended_[view]) {
@@ -298,7 +294,6 @@ void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuf
                      recordDraw(context, scene_, draw);
                      order += triangles * draw.count;
                    }
-                   vkCmdEndRendering(context.get());
                  }
                });
 }

@@ -32,9 +32,9 @@ class HardwareVisibility {
   // of desc.colorsWritten. `desc` comes from depthTestedDesc(); its bindings and colors are set here.
   void addSolid(const FrameContext& f, graph::Stage stage, vk::GraphicsDesc desc, const Bindings& inputs,
                 graph::ImageId depth, const std::vector<graph::ImageId>& colors) const;
-  // Draws the opaque and masked surfaces of a view, within a rendering that has begun.
-  void recordOpaque(graph::Context& context, const FrameContext& f, uint32_t view, const ScenePipelines& pipelines,
-                    std::span<const vk::BoundImage> images = {}) const;
+  // Draws the opaque and masked surfaces of a view.
+  void drawOpaque(ViewRendering& rendering, const FrameContext& f, uint32_t view, const ScenePipelines& pipelines,
+                  std::span<const vk::BoundImage> images = {}) const;
 
  private:
   struct WrittenTargets {

@@ -8,4 +8,4 @@
 
 layout(location = 0) out uvec2 triangle;
 
-void main() { triangle = uvec2(varyingInstance + 1u, uint(gl_PrimitiveID)); }
+void main() { triangle = uvec2(varyingInstance + 1u, push.firstTriangle + uint(gl_PrimitiveID)); }

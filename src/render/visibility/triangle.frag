@@ -11,7 +11,8 @@ layout(constant_id = kAlphaMaskedConstant) const uint kAlphaMasked = 0;
 layout(location = 0) out uvec2 triangle;
 
 void main() {
-  triangle = uvec2(varyingInstance + 1u, uint(gl_PrimitiveID) / (kVastDraw != 0u ? kVastFan : 1u));
+  triangle = uvec2(varyingInstance + 1u,
+                   (push.firstTriangle + uint(gl_PrimitiveID)) / (kVastDraw != 0u ? kVastFan : 1u));
   // Last, as in geometry.frag, because textures need the whole quad.
   if (kAlphaMasked != 0u && masked(drawMaterial(), fragmentPoint())) discard;
 }

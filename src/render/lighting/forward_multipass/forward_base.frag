@@ -35,7 +35,7 @@ void main() {
     reflected += areaLight(frame, s, toEye);
   }
   radiance = vec4(min(emitted * frame.exposure, vec3(65504.0)) + reflected * frame.exposure, 1.0);
-  surface = uvec2(varyingInstance, gl_PrimitiveID);
+  surface = uvec2(varyingInstance, push.firstTriangle + uint(gl_PrimitiveID));
   counts = vec4(0.0);
   // As in geometry.frag, the discard comes last, because texture derivatives need the full quad.
   if (kAlphaMasked != 0u) alphaTest(m, p);

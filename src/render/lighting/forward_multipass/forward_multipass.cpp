@@ -102,10 +102,9 @@ void addLights(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
                  const DeviceDraws& draws = hardware.solid();
                  uint64_t passes = 0;
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, colors, {depth, false}, ColorUse::Keep);
+                   const ViewRendering rendering(context, f, view, colors, {depth, false}, ColorUse::Keep);
                    SceneBinder binder(context, f.scene, draws, drawnView(f, view), pipelines, images);
                    passes += recordLights(context, f, draws, view, binder);
-                   vkCmdEndRendering(context.get());
                  }
                  warnOfManyPasses("lighting by forward-multipass", passes);
                });

@@ -376,9 +376,8 @@ void addVolumes(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId su
   f.graph.pass(graph::Stage::Lighting, "light volumes", std::move(accesses), [=](graph::Context& context) {
     uint64_t passes = 0;
     for (uint32_t view = 0; view < f.viewCount(); ++view) {
-      beginView(context, f, view, colors, {stencil, true});
+      const ViewRendering rendering(context, f, view, colors, {stencil, true});
       passes += pass->record(context, view);
-      vkCmdEndRendering(context.get());
     }
     warnOfManyPasses("lighting by volumes", passes);
   });
