@@ -8,7 +8,6 @@
 #include <iterator>
 
 #include "render/support.h"
-#include "test_device.h"
 
 namespace latelight::render::test {
 namespace {
@@ -67,16 +66,11 @@ void expectEqualBytes(const output::FrameOutput& a, const output::FrameOutput& b
 
 class CoveredTiles : public RenderTest {
  protected:
-  void TearDown() override {
-    for (const std::string& message : other_.validationMessages()) ADD_FAILURE() << message;
-    RenderTest::TearDown();
-  }
-
   void compare(const scene::Scene& scene, const Settings& settings) {
     const scene::Environment studio = scene::loadEnvironment("studio");
     const scene::Environment* environment = settings.background.kind == Background::Environment ? &studio : nullptr;
     const std::vector<scene::Camera> cameras = {shifted(0), shifted(0.7f), shifted(50)};  // the last one sees nothing
-    Renderer tiles(device(), scene, environment), all(other_, scene, environment);
+    Renderer tiles(device(), scene, environment), all(gpuPaths(), scene, environment);
     const std::vector<output::FrameOutput> some = tiles.render(cameras, settings);
     const std::vector<output::FrameOutput> every = all.render(cameras, settings);
     for (size_t i = 0; i < cameras.size(); ++i) {
@@ -91,10 +85,6 @@ class CoveredTiles : public RenderTest {
     settings.lighting = &findTechnique(lighting);
     return settings;
   }
-
- private:
-  vk::Device other_{
-      vk::DeviceOptions{.selector = latelight::test::testDevice(), .validation = true, .cpuShaders = false}};
 };
 
 TEST_F(CoveredTiles, PicturesOfAnySizeAreTheSame) {

@@ -4,7 +4,6 @@
 
 #include "render/support.h"
 #include "scene/edit.h"
-#include "test_device.h"
 
 namespace latelight::render::test {
 namespace {
@@ -39,16 +38,7 @@ scene::Scene spheres(uint32_t materials, uint32_t flags) {
   return std::move(scene);
 }
 
-class DrawnParts : public RenderTest {
- protected:
-  void TearDown() override {
-    for (const std::string& message : other_.validationMessages()) ADD_FAILURE() << message;
-    RenderTest::TearDown();
-  }
-
-  vk::Device other_{
-      vk::DeviceOptions{.selector = latelight::test::testDevice(), .validation = true, .cpuShaders = false}};
-};
+class DrawnParts : public RenderTest {};
 
 TEST_F(DrawnParts, ShowTheSameTriangles) {
   if (!device().hasGraphics()) GTEST_SKIP() << "the device has no graphics pipeline";
@@ -61,7 +51,7 @@ TEST_F(DrawnParts, ShowTheSameTriangles) {
       Settings settings = settingsOf(181, 97, aovs);
       settings.raster = Raster::Hardware;
       const auto some = Renderer(device(), scene, nullptr).render(cameras, settings);
-      const auto every = Renderer(other_, scene, nullptr).render(cameras, settings);
+      const auto every = Renderer(gpuPaths(), scene, nullptr).render(cameras, settings);
       for (size_t view = 0; view < cameras.size(); ++view)
         for (size_t i = 0; i < aovs.size(); ++i) {
           const output::AovImage &a = some[view].aovs[i], &b = every[view].aovs[i];

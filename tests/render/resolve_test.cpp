@@ -9,7 +9,6 @@
 
 #include "render/support.h"
 #include "scene/edit.h"
-#include "test_device.h"
 
 namespace latelight::render::test {
 namespace {
@@ -109,20 +108,11 @@ class TextureGroups : public RenderTest {
     RenderTest::SetUp();
     if (!device().hasCpuShaders() || device().maxTextureArray() > 0) GTEST_SKIP() << "the device indexes textures";
   }
-  void TearDown() override {
-    for (const std::string& message : other().validationMessages()) ADD_FAILURE() << message;
-    RenderTest::TearDown();
-  }
-  static vk::Device& other() {
-    static vk::Device device(
-        vk::DeviceOptions{.selector = latelight::test::testDevice(), .validation = true, .cpuShaders = false});
-    return device;
-  }
 };
 
 TEST_F(TextureGroups, SurfacesAreThoseOfTheGeometryPass) {
   const scene::Scene scene = field();
-  Renderer groups(device(), scene, nullptr), plain(other(), scene, nullptr);
+  Renderer groups(device(), scene, nullptr), plain(gpuPaths(), scene, nullptr);
   scene::Camera away = frontCamera();
   away.toWorld[3].x += 50;  // sees nothing
   for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
@@ -182,7 +172,7 @@ TEST_F(TextureGroups, BothRastersResolveAlike) {
 
 TEST_F(TextureGroups, AnisotropicTexturesKeepTheirFilter) {
   const scene::Scene scene = field();
-  Renderer groups(device(), scene, nullptr), plain(other(), scene, nullptr);
+  Renderer groups(device(), scene, nullptr), plain(gpuPaths(), scene, nullptr);
   for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
     Settings settings = fieldSettings(raster);
     settings.anisotropy = 8;

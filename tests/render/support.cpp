@@ -15,26 +15,37 @@ namespace latelight::render::test {
 
 namespace {
 
-std::unique_ptr<vk::Device> shared;
+std::unique_ptr<vk::Device> shared, sharedGpuPaths;
+
+vk::DeviceOptions testOptions(bool cpuShaders) {
+  return {.selector = latelight::test::testDevice(), .validation = true, .cpuShaders = cpuShaders};
+}
 
 // Static destructors run too late for objects that the device's own destructor uses.
 class Shutdown : public testing::Environment {
-  void TearDown() override { shared.reset(); }
+  void TearDown() override {
+    shared.reset();
+    sharedGpuPaths.reset();
+  }
 };
 [[maybe_unused]] testing::Environment* const shutdown = testing::AddGlobalTestEnvironment(new Shutdown);
 
 }  // namespace
 
 vk::Device& RenderTest::device() {
-  if (!shared)
-    shared = std::make_unique<vk::Device>(vk::DeviceOptions{.selector = latelight::test::testDevice(),
-                                                            .validation = true,
-                                                            .cpuShaders = !std::getenv("LATELIGHT_TEST_GPU_SHADERS")});
+  if (!shared) shared = std::make_unique<vk::Device>(testOptions(!std::getenv("LATELIGHT_TEST_GPU_SHADERS")));
   return *shared;
 }
 
+vk::Device& RenderTest::gpuPaths() {
+  if (!sharedGpuPaths) sharedGpuPaths = std::make_unique<vk::Device>(testOptions(false));
+  return *sharedGpuPaths;
+}
+
 void RenderTest::TearDown() {
-  for (const std::string& message : device().validationMessages()) ADD_FAILURE() << message;
+  for (vk::Device* used : {shared.get(), sharedGpuPaths.get()})
+    for (const std::string& message : used ? used->validationMessages() : std::vector<std::string>{})
+      ADD_FAILURE() << message;
 }
 
 Raster testRaster() {

@@ -23,6 +23,8 @@ namespace latelight::render::test {
 class RenderTest : public testing::Test {
  protected:
   static vk::Device& device();
+  // The same device with the code paths for GPUs (DeviceOptions::cpuShaders).
+  static vk::Device& gpuPaths();
   void SetUp() override { device().validationMessages(); }
   void TearDown() override;
 };
