@@ -59,7 +59,7 @@ class GpuMaterials {
   // blended materials translucent that are opaque in the scene.
   bool anyTranslucent(bool derives) const;
   void setAnisotropy(vk::Uploader& uploader, uint32_t samples) { textures_.setAnisotropy(uploader, samples); }
-  bool isAnisotropic() const { return textures_.anisotropy() > 1; }
+  bool anyAnisotropic() const { return textures_.anyAnisotropic(); }
 
   const shared::Material& record(uint32_t material) const { return records_[material]; }
   MaterialSets sets(uint32_t material) const;

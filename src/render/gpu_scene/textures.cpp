@@ -266,6 +266,11 @@ VkSampler GpuTextures::sampler(const scene::Sampler& sampler) const {
   return device_.cache().sampler(desc);
 }
 
+bool GpuTextures::anyAnisotropic() const {
+  const auto filtered = [](const Entry& entry) { return entry.texture >= 0 && isAnisotropic(entry.sampler); };
+  return anisotropy_ > 1 && std::ranges::any_of(entries_, filtered);
+}
+
 void GpuTextures::setAnisotropy(vk::Uploader& uploader, uint32_t samples) {
   if (samples == anisotropy_) return;
   anisotropy_ = samples;

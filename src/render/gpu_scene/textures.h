@@ -23,7 +23,7 @@ class GpuTextures {
   void update(vk::Uploader& uploader, std::span<const uint32_t> textures, std::span<const uint32_t> materials);
   // Sets the maximum number of samples along a pixel's footprint; initially 1 (none).
   void setAnisotropy(vk::Uploader& uploader, uint32_t samples);
-  uint32_t anisotropy() const { return anisotropy_; }
+  bool anyAnisotropic() const;  // any texture is filtered anisotropically
 
   // The pairs of texture and sampler that materials use, or have used; Material::images holds the index for each slot.
   // The first entry and free entries have no texture.

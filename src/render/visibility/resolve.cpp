@@ -145,7 +145,7 @@ bool resolvesByGroup(const FrameContext& f) {
   const bool bindsTextures = f.device.hasCpuShaders() && f.device.maxTextureArray() == 0;
   if (f.setup.samples > 1 || !bindsTextures || f.scene.anyVast()) return false;
   // lavapipe filters anisotropically in fragment shaders only.
-  if (f.scene.materials().isAnisotropic()) return false;
+  if (f.scene.materials().anyAnisotropic()) return false;
   return !f.scene.materials().textureGroups().empty();
 }
 
