@@ -15,7 +15,6 @@
 #include "scene/edit.h"
 #include "scene/load/load.h"
 #include "scene/scene_builder.h"
-#include "test_device.h"
 
 namespace latelight::render::test {
 namespace {
@@ -151,16 +150,7 @@ bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
 
 class DeviceBvhTest : public RenderTest {
  protected:
-  static void SetUpTestSuite() {
-    building_ = std::make_unique<vk::Device>(
-        vk::DeviceOptions{.selector = latelight::test::testDevice(), .validation = true, .cpuShaders = false});
-  }
-  static void TearDownTestSuite() { building_.reset(); }
-  void TearDown() override {
-    for (const std::string& message : building_->validationMessages()) ADD_FAILURE() << message;
-    RenderTest::TearDown();
-  }
-  static vk::Device& building() { return *building_; }
+  static vk::Device& building() { return gpuPaths(); }
 
   static std::vector<Bvh> built(const scene::Scene& scene) {
     graph::Executor executor(building());
@@ -234,9 +224,6 @@ class DeviceBvhTest : public RenderTest {
     }
     EXPECT_GE(hitCount, states.size() * minHits);
   }
-
- private:
-  static inline std::unique_ptr<vk::Device> building_;
 };
 
 TEST_F(DeviceBvhTest, IsSoundForAnyTriangles) {

@@ -29,19 +29,9 @@ void addLamp(scene::Scene& scene, const glm::vec3& position, float radius) {
 
 class PixelSpans : public RenderTest {
  protected:
-  static void SetUpTestSuite() {
-    const std::string selector = std::to_string(device().info().index);
-    other_ =
-        std::make_unique<vk::Device>(vk::DeviceOptions{.selector = selector, .validation = true, .cpuShaders = false});
-  }
-  static void TearDownTestSuite() { other_.reset(); }
   void SetUp() override {
     RenderTest::SetUp();
     if (!device().isCpu()) GTEST_SKIP() << "a GPU has one code path";
-  }
-  void TearDown() override {
-    for (const std::string& message : other_->validationMessages()) ADD_FAILURE() << message;
-    RenderTest::TearDown();
   }
 
   // Renders two views, of which one sees little of the scene.
@@ -52,7 +42,7 @@ class PixelSpans : public RenderTest {
     for (const Raster raster : {Raster::Compute, Raster::Rays}) {
       SCOPED_TRACE(fmt::format("{}x{}, raster {}", settings.width, settings.height, static_cast<int>(raster)));
       settings.raster = raster;
-      Renderer pixels(device(), scene, nullptr), spans(*other_, scene, nullptr);
+      Renderer pixels(device(), scene, nullptr), spans(gpuPaths(), scene, nullptr);
       const std::vector<output::FrameOutput> expected = pixels.render(cameras, settings);
       const std::vector<output::FrameOutput> found = spans.render(cameras, settings);
       for (size_t i = 0; i < cameras.size(); ++i) {
@@ -69,8 +59,6 @@ class PixelSpans : public RenderTest {
     settings.shadows = ShadowFormat::Rays;
     return settings;
   }
-
-  static inline std::unique_ptr<vk::Device> other_;
 };
 
 // Sizes that spans and blocks do not divide, less than a block, and several spans.
@@ -97,7 +85,7 @@ TEST_F(PixelSpans, ShadowsOfSeveralLightsAreTheSame) {
 
 TEST_F(PixelSpans, AreForManyViewsOnGpus) {
   EXPECT_EQ(spanSide(device(), {64, 64, 65536}), 1u);
-  EXPECT_EQ(spanSide(*other_, {5, 3, 1}), kSpanSide);
+  EXPECT_EQ(spanSide(gpuPaths(), {5, 3, 1}), kSpanSide);
 }
 
 }  // namespace
