@@ -258,7 +258,7 @@ void ViewRendering::begin(VkExtent2D extent) {
 // Begins another rendering if these triangles are too many for the current one. An empty one of another area makes
 // lavapipe rasterize what was recorded.
 void ViewRendering::makeSpace(uint32_t triangles) {
-  if (overlaps_ && recorded_ > 0 && recorded_ + triangles > inPart_) {
+  if (recorded_ > 0 && recorded_ + triangles > inPart_) {
     for (VkRenderingAttachmentInfo& color : colors_) keepContents(color);
     keepContents(depth_);
     vkCmdEndRendering(context_.get());
